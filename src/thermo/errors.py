@@ -1,0 +1,23 @@
+"""The one error that bad input raises: it names the file, the value, the limit and the remedy."""
+
+from __future__ import annotations
+
+
+class InputError(ValueError):
+    """Input that cannot be used as it stands.
+
+    Arguments:
+
+    - `what`: what is wrong, in a few words.
+    - `where`: the file, key or argument that holds it.
+    - `value`: what was found there.
+    - `limit`: what would have been accepted.
+    - `remedy`: what the user can do about it.
+    """
+
+    def __init__(self, what: str, *, where: str, value: object, limit: str, remedy: str) -> None:
+        self.what, self.where, self.value = what, where, value
+        self.limit, self.remedy = limit, remedy
+        super().__init__(
+            f"{where}: {what}\n  found:  {value}\n  limit:  {limit}\n  remedy: {remedy}"
+        )

@@ -1,0 +1,46 @@
+"""Surfaces and tetrahedral meshes: reading, checking, meshing, locating, selecting."""
+
+from ._ball import ball_mesh
+from ._box import box_mesh
+from ._build import mesh_from_cells
+from ._check_surface import check_surface
+from ._cylinder import cylinder_mesh
+from ._geometry import cell_quality, cell_volumes, face_areas
+from ._locate import SurfacePoints, locate
+from ._mesh import Mesh
+from ._patches import face_centres, faces_in_box, faces_towards, faces_where
+from ._promote import linear, promote
+from ._read_surface import read_surface
+from ._resolution import Resolution, resolution
+from ._sizing import Sizing, expected_nodes, heat_depth, sizing_from_physics
+from ._surface import Surface
+from ._tetrahedralise import tetrahedralise
+
+__all__ = [
+    "Mesh",
+    "Resolution",
+    "Sizing",
+    "Surface",
+    "SurfacePoints",
+    "ball_mesh",
+    "box_mesh",
+    "cell_quality",
+    "cell_volumes",
+    "check_surface",
+    "cylinder_mesh",
+    "expected_nodes",
+    "face_areas",
+    "face_centres",
+    "faces_in_box",
+    "faces_towards",
+    "faces_where",
+    "heat_depth",
+    "linear",
+    "locate",
+    "mesh_from_cells",
+    "promote",
+    "read_surface",
+    "resolution",
+    "sizing_from_physics",
+    "tetrahedralise",
+]

@@ -1,0 +1,51 @@
+"""What a mesh made from a surface must fulfil."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from thermo.errors import InputError
+
+from ._build import mesh_from_cells
+from ._geometry import cell_quality
+from ._mesh import Mesh
+from ._surface import Surface
+
+LEAST_QUALITY: Final = 0.03
+"""Smallest mean ratio of a cell; below it the stiffness of the cell dominates the system."""
+
+VOLUME_TOLERANCE: Final = 0.005
+"""Largest relative difference between the volumes of the mesh and the surface."""
+
+
+def gated_mesh(nodes: np.ndarray, cells: np.ndarray, surface: Surface, *, where: str) -> Mesh:
+    """A mesh from the mesher's arrays, refused where it is not good enough.
+
+    Raises `InputError` where the mesh is empty, a cell is flat, or the mesh's volume differs by
+    more than half a percent from the surface's.
+    """
+    if len(cells) == 0:
+        raise InputError(
+            "the mesher found no inside", where=where, value="0 cells", limit="1 cell or more",
+            remedy="check that the surface is closed and turned outward",
+        )
+    mesh = mesh_from_cells(nodes, cells, where=f"mesh of {where}")
+    quality = cell_quality(mesh)
+    if quality.min() < LEAST_QUALITY:
+        raise InputError(
+            "the mesh has a flat cell", where=where,
+            value=f"mean ratio {quality.min():.3g} in cell {int(np.argmin(quality))}",
+            limit=f"{LEAST_QUALITY:g} or more",
+            remedy="change the sizing a little, or remove slivers from the surface",
+        )
+    wanted, got = surface.volume(), mesh.volume()
+    if not abs(got - wanted) <= VOLUME_TOLERANCE * abs(wanted):
+        raise InputError(
+            "the mesh does not fill the surface", where=where,
+            value=f"volume {got:.6g} m3, surface {wanted:.6g} m3",
+            limit=f"{VOLUME_TOLERANCE:.1%} difference",
+            remedy="make the sizing finer, or check the surface for thin and open parts",
+        )
+    return mesh

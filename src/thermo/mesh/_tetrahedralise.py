@@ -1,0 +1,114 @@
+"""Tetrahedra from a surface, by pytetwild."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from thermo.errors import InputError
+
+from . import _mesher_child
+from ._cache import content_key, default_cache, load_cells, save_cells
+from ._gate import gated_mesh
+from ._mesh import Mesh
+from ._sizing import Sizing
+from ._sizing_field import sizing_field
+from ._surface import Surface
+
+EPSILON: Final = 5e-4
+"""Envelope in which the mesher may move the surface, over the box diagonal."""
+
+STOP_ENERGY: Final = 10.0
+"""AMIPS energy at which the mesher is content with its cells."""
+
+ASK: Final = 1.0
+"""Edge lengths asked for, over those wanted: the mesher's edges come out longer."""
+
+MOST_TRIANGLES: Final = 40000
+"""Largest surface that is given to the mesher; its time grows steeply beyond."""
+
+
+def tetrahedralise(
+    surface: Surface,
+    sizing: Sizing,
+    *,
+    cache: Path | None = None,
+    time_limit: float = 600.0,
+    where: str = "surface",
+) -> Mesh:
+    """Fill a checked surface with linear tetrahedra (TET4).
+
+    The mesher is fTetWild (Hu, Schneider, Wang, Zorin, Panozzo, ACM Trans. Graph. 39 (2020) 117);
+    its surface stays within 5e-4 box diagonals of the given one. It is not reproducible, so the
+    result is kept in a cache under a hash of the surface, the sizing and the versions. It runs in
+    a process and a folder of its own, and leaves nothing behind.
+
+    Arguments:
+
+    - `surface`: closed and turned outward, see `check_surface` [m].
+    - `sizing`: wanted edge lengths [m].
+    - `cache`: folder for meshes; `thermofield/meshes` in the user's cache where left out.
+    - `time_limit`: longest time for the mesher [s].
+    - `where`: what to call the surface in messages.
+
+    Raises `InputError` for a surface that is too fine to mesh, when the mesher fails or takes too
+    long, and when its mesh is not good enough.
+    """
+    folder = default_cache() if cache is None else Path(cache)
+    entry = folder / f"{content_key(surface, sizing, (EPSILON, STOP_ENERGY, ASK))}.npz"
+    kept = load_cells(entry)
+    if kept is not None:
+        try:
+            return gated_mesh(*kept, surface, where=where)
+        except InputError:
+            # An entry that no longer passes is as good as none.
+            entry.unlink(missing_ok=True)
+    if len(surface.triangles) > MOST_TRIANGLES:
+        raise InputError(
+            "the surface is too fine for the mesher", where=where,
+            value=f"{len(surface.triangles)} triangles", limit=f"{MOST_TRIANGLES} triangles",
+            remedy="simplify the surface first; read_surface does so where the package "
+            "fast_simplification is installed",
+        )
+    nodes, cells = _run_mesher(surface, sizing, time_limit, where)
+    mesh = gated_mesh(nodes, cells, surface, where=where)
+    save_cells(entry, mesh.nodes, mesh.cells)
+    return mesh
+
+
+def _run_mesher(
+    surface: Surface, sizing: Sizing, time_limit: float, where: str
+) -> tuple[Float[np.ndarray, "nodes 3"], Int[np.ndarray, "cells 4"]]:
+    """Run pytetwild in a process of its own inside a temporary folder."""
+    field_nodes, field_cells, field_values = sizing_field(surface, sizing)
+    with tempfile.TemporaryDirectory(prefix="thermofield-") as name:
+        source, target = Path(name) / "surface.npz", Path(name) / "mesh.npz"
+        np.savez(
+            source, vertices=surface.vertices, triangles=surface.triangles.astype(np.int32),
+            edge=ASK * sizing.core, epsilon=EPSILON, stop_energy=STOP_ENERGY, coarsen=True,
+            field_nodes=field_nodes, field_cells=field_cells, field_values=ASK * field_values,
+        )
+        command = [sys.executable, _mesher_child.__file__, str(source), str(target)]
+        try:
+            done = subprocess.run(
+                command, cwd=name, capture_output=True, text=True, timeout=time_limit, check=False
+            )
+        except subprocess.TimeoutExpired as late:
+            raise InputError(
+                "the mesher did not finish", where=where, value=f"stopped after {time_limit:g} s",
+                limit=f"{time_limit:g} s", remedy="coarsen the sizing or simplify the surface",
+            ) from late
+        if done.returncode != 0 or not target.exists():
+            last = (done.stderr.strip().splitlines() or ["no message"])[-1]
+            raise InputError(
+                "the mesher failed", where=where, value=f"exit {done.returncode}: {last[:200]}",
+                limit="a mesh", remedy="repair the surface, or mesh it elsewhere and read the cells",
+            )
+        with np.load(target, allow_pickle=False) as made:
+            return made["nodes"], made["cells"]

@@ -1,0 +1,41 @@
+"""What was measured: scenes, recordings, prescribed histories and the noise in them.
+
+A scene folder in the format `thermofield-scene/1` holds `scene.json`, one surface file and one
+recording a run. Everything is SI and temperatures are in kelvin. `read_scene` documents the keys,
+`read_recording` the two file types (NPZ, and CSV in long or wide form).
+"""
+
+from __future__ import annotations
+
+from ._distance import check_distance
+from ._heater import Heater
+from ._kelvin import COLDEST, HOTTEST
+from ._noise import Noise, estimate_noise
+from ._prescribed import Prescribed, read_history
+from ._recording import Recording
+from ._recording_read import read_recording
+from ._recording_write import write_recording
+from ._scene import QUANTITIES, Run, Scene, StatedMaterial
+from ._scene_read import FORMAT, read_scene
+from ._scene_write import write_scene
+
+__all__ = [
+    "COLDEST",
+    "FORMAT",
+    "HOTTEST",
+    "QUANTITIES",
+    "Heater",
+    "Noise",
+    "Prescribed",
+    "Recording",
+    "Run",
+    "Scene",
+    "StatedMaterial",
+    "check_distance",
+    "estimate_noise",
+    "read_history",
+    "read_recording",
+    "read_scene",
+    "write_recording",
+    "write_scene",
+]

@@ -1,0 +1,113 @@
+"""How noisy a recording is, from its quiet frames or from the record itself."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+from jaxtyping import Float
+
+from ._recording import Recording
+
+# A detector never resolves better than this [K]; it keeps weights of noise-free data finite.
+_FLOOR: Final = 1e-5
+# Two readings that differ by less than this are the same number, stored in two ways [K].
+_SAME: Final = 1e-7
+# A coarser grid than this is not the rounding of a thermometer [K].
+_COARSEST: Final = 1.0
+
+
+@final
+@dataclass(frozen=True)
+class Noise:
+    """Standard deviations of a recording's noise [K].
+
+    Arguments:
+
+    - `white`: of one reading around its sample's mean, fluctuating from frame to frame [K].
+    - `offset`: of the samples' constant errors around their common mean [K].
+    - `correlation`: of one frame's fluctuation with the next frame's (1).
+    """
+
+    white: float
+    offset: float
+    correlation: float = 0.0
+
+    def total(self) -> float:
+        """Return the standard deviation of one reading, sqrt(white^2 + offset^2) [K]."""
+        return float(np.hypot(self.white, self.offset))
+
+
+def estimate_noise(recording: Recording) -> Noise:
+    """Estimate the noise of a recording [K].
+
+    With at least three quiet frames the fluctuation is taken as first-order autoregressive with
+    standard deviation s and correlation r from frame to frame. The mean squares of the
+    differences over one and over two frames are then d1 = 2 s^2 (1 - r) and
+    d2 = 2 s^2 (1 - r^2), so r = d2/d1 - 1 and s^2 = d1 / (2 (1 - r)). The offset is the standard
+    deviation of the samples' means, less what the fluctuation itself adds to it.
+
+    Without quiet frames the fluctuation comes from second differences of the record, through
+    their median absolute value, so that a switching lamp does not count. It is then taken as
+    uncorrelated, and the offset as 0, since neither can be told from the object's own warming.
+
+    The white part is never below the rounding of the data, step / sqrt(12).
+    """
+    quiet = recording.quiet
+    if quiet is not None and len(quiet) >= 3:
+        white, offset, correlation = _from_quiet(quiet)
+    else:
+        white, offset, correlation = _from_record(recording), 0.0, 0.0
+    floor = max(_rounding(recording) / math.sqrt(12.0), _FLOOR)
+    return Noise(white=max(white, floor), offset=offset, correlation=correlation)
+
+
+def _from_quiet(quiet: Float[np.ndarray, "quiet samples"]) -> tuple[float, float, float]:
+    one, two = _mean_square(quiet[1:] - quiet[:-1]), _mean_square(quiet[2:] - quiet[:-2])
+    # Frames that repeat each other would give r = 1 and no finite variance.
+    correlation = float(np.clip(two / one - 1.0, 0.0, 0.95)) if one > 0 else 0.0
+    variance = one / (2.0 * (1.0 - correlation))
+    known = ~np.isnan(quiet)
+    count = known.sum(axis=0)
+    seen = count > 0
+    if seen.sum() < 2:
+        return float(np.sqrt(variance)), 0.0, correlation
+    mean = np.where(known, quiet, 0.0).sum(axis=0)[seen] / count[seen]
+    # Variance of a mean of n autoregressive readings, for n well above 1 / (1 - r).
+    share = (1.0 + correlation) / (1.0 - correlation) / count[seen]
+    own = variance * float(np.mean(np.minimum(share, 1.0)))
+    offset = float(np.sqrt(max(float(np.var(mean, ddof=1)) - own, 0.0)))
+    return float(np.sqrt(variance)), offset, correlation
+
+
+def _from_record(recording: Recording) -> float:
+    time, temperature, valid = recording.time, recording.temperature, recording.valid
+    if len(time) < 3:
+        return 0.0
+    # Distance of a reading from the straight line through its neighbours in time.
+    left = ((time[2:] - time[1:-1]) / (time[2:] - time[:-2]))[:, None]
+    line = left * temperature[:-2] + (1.0 - left) * temperature[2:]
+    scaled = (temperature[1:-1] - line) / np.sqrt(1.0 + left**2 + (1.0 - left) ** 2)
+    known = valid[:-2] & valid[1:-1] & valid[2:]
+    if not known.any():
+        return 0.0
+    return 1.4826 * float(np.median(np.abs(scaled[known])))
+
+
+def _mean_square(difference: np.ndarray) -> float:
+    known = ~np.isnan(difference)
+    return float(np.sum(difference[known] ** 2) / max(int(known.sum()), 1))
+
+
+def _rounding(recording: Recording) -> float:
+    """Return the step to which the data were rounded [K], 0 where it does not show."""
+    known = recording.valid[1:] & recording.valid[:-1]
+    change = np.abs(np.diff(recording.temperature, axis=0))[known]
+    # Only a step that is coarse against the changes makes readings repeat; a finer one is seen
+    # as noise in the differences anyway.
+    steps = change[change > _SAME]
+    if steps.size == 0 or steps.size > 0.95 * change.size or steps.min() > _COARSEST:
+        return 0.0
+    return float(steps.min())

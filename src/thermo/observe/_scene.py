@@ -1,0 +1,246 @@
+"""A scene: one object, what is stated about it, and its recordings under several conditions."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import InitVar, dataclass, field
+from pathlib import Path
+from typing import Final, final
+
+from thermo.errors import InputError
+
+from ._heater import Heater
+from ._kelvin import check_kelvin_number
+from ._npz import check_file
+from ._number import check_number, shown
+from ._prescribed import Prescribed
+from ._recording import Recording
+
+QUANTITIES: Final = (
+    "conductivity",
+    "diffusivity",
+    "volumetric_heat_capacity",
+    "convection",
+    "emissivity",
+    "scaled_convection",
+    "scaled_emissivity",
+)
+"""Names of the quantities that a fit can recover."""
+
+UNITS: Final = ("m", "cm", "mm", "inch")
+"""Units in which a surface file can be."""
+
+_RUN_NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
+
+
+@final
+@dataclass(frozen=True)
+class StatedMaterial:
+    """What is believed about the material before a fit.
+
+    Arguments:
+
+    - `name`: for people only.
+    - `density`: [kg/m3]. `heat_capacity`: [J/kg/K].
+    - `conductivity`: [W/m/K]; a first guess, or None, where it is to be found.
+    - `where`: what messages call this material.
+
+    Raises `InputError` for a property that is not positive.
+    """
+
+    name: str
+    density: float
+    heat_capacity: float
+    conductivity: float | None
+    where: InitVar[str] = "material"
+
+    def __post_init__(self, where: str) -> None:
+        for key, quantity, remedy in (
+            ("density", "density [kg/m3]", "give the density in kg/m3 (water: 1000)"),
+            ("heat_capacity", "heat capacity [J/kg/K]", "give it in J/kg/K (water: 4180)"),
+            ("conductivity", "conductivity [W/m/K]", "give W/m/K, or null if in `unknown`"),
+        ):
+            value = getattr(self, key)
+            if key == "conductivity" and value is None:
+                continue
+            number = check_number(
+                value, where=f"{where}.{key}", quantity=quantity, above=0.0, remedy=remedy
+            )
+            object.__setattr__(self, key, number)  # a whole number becomes a float
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One experiment: a recording and the conditions that it was taken under.
+
+    Arguments:
+
+    - `name`: letters, digits and `_ . -`; it names files.
+    - `recording`: what was measured.
+    - `initial_temperature`: of the whole object at t = 0 [K].
+    - `ambient_temperature`: of the air from t = 0 on [K].
+    - `radiation_temperature`: of the surroundings that radiate, from t = 0 on [K].
+    - `heater`: the lamp, or None.
+    - `held_out`: never fitted, only predicted.
+    - `prescribed`: measured histories that hold on parts of the surface. Each must cover the
+        frames of the recording.
+    - `where`: what messages call this run.
+
+    Raises `InputError` for temperatures that cannot be kelvin, an unusable name, or a history
+    that ends before the recording does.
+    """
+
+    name: str
+    recording: Recording
+    initial_temperature: float
+    ambient_temperature: float
+    radiation_temperature: float
+    heater: Heater | None = None
+    held_out: bool = False
+    prescribed: tuple[Prescribed, ...] = ()
+    where: InitVar[str] = "run"
+
+    def __post_init__(self, where: str) -> None:
+        check_run_name(self.name, where)
+        for key in ("initial_temperature", "ambient_temperature", "radiation_temperature"):
+            quantity = key.replace("_", " ")
+            number = check_kelvin_number(
+                getattr(self, key), where=f"{where}.{key}", quantity=quantity
+            )
+            object.__setattr__(self, key, number)  # a whole number becomes a float
+        first, last = float(self.recording.time[0]), float(self.recording.time[-1])
+        for number, history in enumerate(self.prescribed):
+            if history.time[0] > first or history.time[-1] < last:
+                raise InputError(
+                    "history does not cover the recording",
+                    where=f"{where}.prescribed[{number}].time",
+                    value=f"{history.time[0]:g} to {history.time[-1]:g} s",
+                    limit=f"the recording's frames, {first:g} to {last:g} s",
+                    remedy="give a longer history, or cut the recording",
+                )  # fmt: skip
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """One object, what is stated about it, and its runs.
+
+    Arguments:
+
+    - `folder`: where the scene stands.
+    - `object`: its name, for people only.
+    - `surface_path`: the closed triangle surface. `unit`: the unit of that file.
+    - `material`: its stated properties.
+    - `convection`: coefficient [W/m2/K], or None where it is to be found.
+    - `emissivity`: from 0 to 1, or None where it is to be found.
+    - `unknown`: names from `QUANTITIES` that a fit recovers by default.
+    - `prior`: relative standard deviation (1) of stated values that are only roughly known.
+    - `runs`: by name.
+    - `where`: what messages call this scene.
+
+    Raises `InputError` for a missing surface file, values out of range, unknown names, and a
+    property that is None without being unknown.
+    """
+
+    folder: Path
+    object: str
+    surface_path: Path
+    unit: str
+    material: StatedMaterial
+    convection: float | None
+    emissivity: float | None
+    unknown: tuple[str, ...]
+    prior: dict[str, float]
+    runs: dict[str, Run] = field(default_factory=dict)
+    where: InitVar[str] = "scene"
+
+    def __post_init__(self, where: str) -> None:
+        check_file(self.surface_path)
+        if self.unit not in UNITS:
+            raise InputError(
+                "unknown unit of length", where=f"{where}: unit", value=shown(self.unit),
+                limit=", ".join(UNITS), remedy="give the unit of the surface file",
+            )  # fmt: skip
+        _check_unknown(self.unknown, f"{where}: unknown")
+        prior = {name: _deviation(name, value, where) for name, value in self.prior.items()}
+        object.__setattr__(self, "prior", prior)
+        _check_null(self, where)
+        convection, emissivity = _exchange(self.convection, self.emissivity, where)
+        object.__setattr__(self, "convection", convection)
+        object.__setattr__(self, "emissivity", emissivity)
+        if not self.runs:
+            raise InputError(
+                "no runs", where=f"{where}: runs", value="an empty table",
+                limit="at least one run", remedy="add a run with its recording and temperatures",
+            )  # fmt: skip
+
+
+def check_run_name(name: str, where: str) -> None:
+    """Raise `InputError` unless `name` can name a file."""
+    if not _RUN_NAME.fullmatch(name):
+        raise InputError(
+            "unusable name of a run", where=where, value=shown(name),
+            limit="letters, digits and _ . -, beginning with a letter or digit",
+            remedy="rename the run; its name becomes a file name",
+        )  # fmt: skip
+
+
+def _check_unknown(unknown: tuple[str, ...], where: str) -> None:
+    for position, name in enumerate(unknown):
+        _check_quantity(name, where)
+        if name in unknown[:position]:
+            raise InputError(
+                f"`{name}` stands twice", where=where, value=", ".join(unknown),
+                limit="every name once", remedy="remove one of the two",
+            )  # fmt: skip
+
+
+def _check_quantity(name: object, where: str) -> None:
+    if name not in QUANTITIES:
+        raise InputError(
+            "unknown quantity", where=where, value=shown(name), limit=", ".join(QUANTITIES),
+            remedy="use one of these names",
+        )  # fmt: skip
+
+
+def _check_null(scene: Scene, where: str) -> None:
+    for place, value, names in (
+        ("material.conductivity", scene.material.conductivity, ("conductivity", "diffusivity")),
+        ("surface_exchange.convection", scene.convection, ("convection", "scaled_convection")),
+        ("surface_exchange.emissivity", scene.emissivity, ("emissivity", "scaled_emissivity")),
+    ):
+        if value is None and not set(names) & set(scene.unknown):
+            raise InputError(
+                f"`{place}` is null but is not to be found", where=f"{where}: {place}",
+                value=f"null, with unknown = [{', '.join(scene.unknown)}]",
+                limit=f"a number, or null where `unknown` names {' or '.join(names)}",
+                remedy=f"give its value, or add `{names[0]}` to `unknown`",
+            )  # fmt: skip
+
+
+def _exchange(
+    convection: object, emissivity: object, where: str
+) -> tuple[float | None, float | None]:
+    if convection is not None:
+        convection = check_number(
+            convection, where=f"{where}: surface_exchange.convection",
+            quantity="convection coefficient [W/m2/K]", least=0.0,
+            remedy="give W/m2/K, at least 0 (still air: 3 to 10)",
+        )  # fmt: skip
+    if emissivity is not None:
+        emissivity = check_number(
+            emissivity, where=f"{where}: surface_exchange.emissivity",
+            quantity="emissivity", least=0.0, most=1.0,
+            remedy="give a fraction from 0 to 1, not per cent",
+        )  # fmt: skip
+    return convection, emissivity
+
+
+def _deviation(name: str, value: object, where: str) -> float:
+    place = f"{where}: prior.{name}"
+    _check_quantity(name, place)
+    return check_number(
+        value, where=place, quantity="relative standard deviation", above=0.0,
+        remedy="give it as a fraction, for example 0.3 for 30 %",
+    )  # fmt: skip

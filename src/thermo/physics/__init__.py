@@ -1,0 +1,34 @@
+"""The heat equation on tetrahedra: operators, effects, integrators, simulation."""
+
+from thermo.physics._adjoint import AbstractAdjoint, RecomputeSegments, StoreSteps
+from thermo.physics._balance import Balance, assemble, heat_rate, step_matrix, stored_heat
+from thermo.physics._conjugate_gradient import ConjugateGradient
+from thermo.physics._discretisation import Discretisation, discretise
+from thermo.physics._model import Model
+from thermo.physics._readout import ReadOut, every_node
+from thermo.physics._simulate import Solution, solve_heat
+from thermo.physics._sparse_operator import SparseOperator
+from thermo.physics._time_grid import TimeGrid, plan_steps, uniform_steps
+
+__all__ = [
+    "AbstractAdjoint",
+    "Balance",
+    "ConjugateGradient",
+    "Discretisation",
+    "Model",
+    "ReadOut",
+    "RecomputeSegments",
+    "Solution",
+    "SparseOperator",
+    "StoreSteps",
+    "TimeGrid",
+    "assemble",
+    "discretise",
+    "every_node",
+    "heat_rate",
+    "plan_steps",
+    "solve_heat",
+    "step_matrix",
+    "stored_heat",
+    "uniform_steps",
+]

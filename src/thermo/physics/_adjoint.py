@@ -1,0 +1,62 @@
+"""What the reverse pass of a simulation keeps in memory."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable
+from typing import Any, final
+
+import equinox as eqx
+import jax
+
+
+def _keep_solutions(primitive: Any, *_: Any, **__: Any) -> bool:
+    # The reverse pass then never repeats a linear solve.
+    return primitive.name == "linear_solve"
+
+
+class AbstractAdjoint(eqx.Module):
+    """How the steps of a simulation are run so that they can be differentiated."""
+
+    @abstractmethod
+    def run(self, step: Callable[[Any, Any], Any], start: Any, inputs: Any) -> tuple[Any, Any]:
+        """Run `step` over the leading axis of `inputs`, like `jax.lax.scan`; [1] a step."""
+
+
+@final
+class StoreSteps(AbstractAdjoint):
+    """Keep the temperatures and increments of every step: memory grows with the steps."""
+
+    def run(self, step: Callable[[Any, Any], Any], start: Any, inputs: Any) -> tuple[Any, Any]:
+        """Run `step` over the leading axis of `inputs`."""
+        kept = jax.checkpoint(step, policy=_keep_solutions, prevent_cse=False)
+        return jax.lax.scan(kept, start, inputs)
+
+
+@final
+class RecomputeSegments(AbstractAdjoint):
+    """Keep one state a segment of `length` steps and run each segment again going back.
+
+    With a length of about the square root of the steps, memory grows with that square root, for
+    one more forward run.
+    """
+
+    length: int = eqx.field(static=True)
+
+    def run(self, step: Callable[[Any, Any], Any], start: Any, inputs: Any) -> tuple[Any, Any]:
+        """Run `step` over the leading axis of `inputs`, segment by segment."""
+        kept = jax.checkpoint(step, policy=_keep_solutions, prevent_cse=False)
+        count = jax.tree.leaves(inputs)[0].shape[0]
+        whole = count // self.length * self.length
+
+        def segment(state: Any, piece: Any) -> tuple[Any, Any]:
+            return jax.lax.scan(kept, state, piece)
+
+        head = jax.tree.map(
+            lambda a: a[:whole].reshape(-1, self.length, *a.shape[1:]), inputs
+        )
+        tail = jax.tree.map(lambda a: a[whole:], inputs)
+        state, first = jax.lax.scan(jax.checkpoint(segment, prevent_cse=False), start, head)
+        state, rest = jax.lax.scan(kept, state, tail)
+        flat = jax.tree.map(lambda a: a.reshape(-1, *a.shape[2:]), first)
+        return state, jax.tree.map(lambda a, b: jax.numpy.concatenate([a, b]), flat, rest)

@@ -1,0 +1,187 @@
+"""Everything of the heat equation that the mesh alone decides, made once for each mesh."""
+
+from __future__ import annotations
+
+from typing import final
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+from thermo.mesh import Mesh, cell_volumes, face_areas
+from thermo.physics._pattern import Pattern, cell_pairs, find_pairs, make_pattern, row_lengths
+from thermo.physics._quadrature import triangle_rule
+from thermo.physics._shape import face_shape, reference_mass, reference_stiffness
+
+
+@final
+class Discretisation(eqx.Module):
+    """Geometry of the weak form on one mesh, ready for any material and boundary.
+
+    The nodes of `mesh` are renumbered so that products are fast: use this mesh, not the one that
+    went in, to read nodal values.
+
+    - `gradient`: V g_a . g_b of the barycentric gradients, (cells, 4, 3) holding V^(1/2) g [m^1/2].
+    - `volume`: (cells,) [m3].
+    - `cell_edge`, `face_edge`: the edge of each node pair of a cell, of a face.
+    - `face_shape`: (points, corners) [1]; `face_weight`: (faces, points) [m2].
+    - `face_point`: quadrature points on the faces, (faces, points, 3) [m].
+    """
+
+    mesh: Mesh
+    pattern: Pattern
+    gradient: Float[Array | np.ndarray, "cells 4 3"]
+    volume: Float[Array | np.ndarray, " cells"]
+    cell_edge: Int[Array | np.ndarray, "cells pairs"]
+    face_edge: Int[Array | np.ndarray, "faces pairs"]
+    face_shape: Float[Array | np.ndarray, "points corners"]
+    face_weight: Float[Array | np.ndarray, "faces points"]
+    face_point: Float[Array | np.ndarray, "faces points 3"]
+
+    @property
+    def order(self) -> int:
+        """Polynomial order [1] of the elements."""
+        return self.mesh.order
+
+
+def _renumber(mesh: Mesh) -> Mesh:
+    count = len(mesh.nodes)
+    pairs, _ = cell_pairs(mesh.cells, count)
+    both = np.concatenate([pairs, pairs[:, ::-1]])
+    graph = csr_matrix((np.ones(len(both)), (both[:, 0], both[:, 1])), shape=(count, count))
+    place = np.empty(count, np.int64)
+    place[reverse_cuthill_mckee(graph, symmetric_mode=True)] = np.arange(count)
+    old = np.lexsort((place, -row_lengths(pairs, count)))
+    new = np.empty(count, np.int32)
+    new[old] = np.arange(count, dtype=np.int32)
+    return Mesh(
+        nodes=mesh.nodes[old],
+        cells=new[mesh.cells],
+        faces=new[mesh.faces],
+        owners=mesh.owners,
+        normals=mesh.normals,
+        regions=mesh.regions,
+    )
+
+
+def _barycentric_gradients(mesh: Mesh) -> Float[np.ndarray, "cells 4 3"]:
+    corner = mesh.nodes[mesh.cells[:, :4]]
+    inverse = np.linalg.inv(corner[:, 1:] - corner[:, :1])  # (cells, xyz, 3)
+    rest = np.swapaxes(inverse, 1, 2)
+    return np.concatenate([-rest.sum(1, keepdims=True), rest], 1)
+
+
+def discretise(mesh: Mesh) -> Discretisation:
+    """Prepare a mesh [m] for simulation.
+
+    Arguments:
+
+    - `mesh`: a validated TET4 or TET10 mesh, nodes (nodes, 3) [m].
+    """
+    mesh = _renumber(mesh)
+    count = len(mesh.nodes)
+    pairs, cell_edge = cell_pairs(mesh.cells, count)
+    face_edge = find_pairs(pairs, mesh.faces, count)
+    volume = cell_volumes(mesh)
+    points, weights = triangle_rule(mesh.order)
+    return Discretisation(
+        mesh=mesh,
+        pattern=make_pattern(pairs, np.unique(face_edge), count),
+        gradient=_barycentric_gradients(mesh) * np.sqrt(volume)[:, None, None],
+        volume=volume,
+        cell_edge=cell_edge,
+        face_edge=face_edge,
+        face_shape=face_shape(points, mesh.order),
+        face_weight=face_areas(mesh)[:, None] * weights,
+        face_point=np.einsum("qa,fax->fqx", points, mesh.nodes[mesh.faces[:, :3]]),
+    )
+
+
+def stiffness_edges(
+    space: Discretisation,
+    conductivity: Float[Array, " cells"] | Float[Array, "cells 3 3"],
+) -> Float[Array, " edges"]:
+    """Off-diagonal entries [W/K] of K, K_ij = integral of grad N_i . k grad N_j.
+
+    Arguments:
+
+    - `conductivity`: one value a cell, (cells,), or a symmetric tensor, (cells, 3, 3) [W/m/K].
+    """
+    if conductivity.ndim == 1:
+        flow = conductivity[:, None, None] * space.gradient
+    else:
+        flow = jnp.einsum("cax,cxy->cay", space.gradient, conductivity)
+    products = jnp.einsum("cax,cbx->cab", flow, space.gradient)
+    upper = np.triu_indices(space.mesh.cells.shape[1], 1)
+    reference = jnp.asarray(reference_stiffness(space.order)[upper])
+    terms = jnp.einsum("cab,pab->cp", products, reference)
+    return jnp.zeros(space.pattern.first.shape[0]).at[space.cell_edge].add(terms)
+
+
+def diagonal_of(space: Discretisation, edges: Float[Array, " edges"]) -> Float[Array, " nodes"]:
+    """Diagonal [W/K] of a matrix whose rows sum to zero."""
+    ends = jnp.concatenate([space.pattern.first, space.pattern.second])
+    return jnp.zeros(len(space.mesh.nodes)).at[ends].add(-jnp.concatenate([edges, edges]))
+
+
+def mass(
+    space: Discretisation, capacity: Float[Array, " cells"]
+) -> tuple[Float[Array, " nodes"], Float[Array, " edges"]]:
+    """Consistent mass matrix [J/K] as diagonal and edges, M_ij = integral of rho c N_i N_j.
+
+    Arguments:
+
+    - `capacity`: volumetric heat capacity of each cell, (cells,) [J/m3/K].
+    """
+    reference = reference_mass(space.order)
+    upper = np.triu_indices(len(reference), 1)
+    content = capacity * space.volume
+    diagonal = jnp.zeros(len(space.mesh.nodes))
+    diagonal = diagonal.at[space.mesh.cells].add(content[:, None] * np.diag(reference))
+    edges = jnp.zeros(space.pattern.first.shape[0])
+    return diagonal, edges.at[space.cell_edge].add(content[:, None] * reference[upper])
+
+
+def surface_mass(
+    space: Discretisation, weight: Float[Array, "faces points"]
+) -> tuple[Float[Array, " nodes"], Float[Array, " edges"]]:
+    """Surface matrix [W/K] as diagonal and edges, integral of w N_i N_j over the boundary.
+
+    Arguments:
+
+    - `weight`: coefficient at the face points, (faces, points) [W/m2/K].
+    """
+    shape = space.face_shape
+    upper = np.triu_indices(shape.shape[1], 1)
+    scaled = weight * space.face_weight
+    diagonal = jnp.zeros(len(space.mesh.nodes)).at[space.mesh.faces].add(scaled @ shape**2)
+    edges = jnp.zeros(space.pattern.first.shape[0])
+    terms = scaled @ (shape[:, upper[0]] * shape[:, upper[1]])
+    return diagonal, edges.at[space.face_edge].add(terms)
+
+
+def surface_load(
+    space: Discretisation, flux: Float[Array, "faces points"]
+) -> Float[Array, " nodes"]:
+    """Nodal heat rate [W] of a flux into the body given at the face points [W/m2]."""
+    terms = (flux * space.face_weight) @ space.face_shape
+    return jnp.zeros(len(space.mesh.nodes)).at[space.mesh.faces].add(terms)
+
+
+def volume_load(
+    space: Discretisation, density: Float[Array, " cells"]
+) -> Float[Array, " nodes"]:
+    """Nodal heat rate [W] of a power density given for each cell, (cells,) [W/m3]."""
+    share = jnp.asarray(reference_mass(space.order).sum(1))
+    terms = (density * space.volume)[:, None] * share
+    return jnp.zeros(len(space.mesh.nodes)).at[space.mesh.cells].add(terms)
+
+
+def on_faces(
+    space: Discretisation, temperature: Float[Array, " nodes"]
+) -> Float[Array, "faces points"]:
+    """Temperature [K] at the quadrature points of the boundary faces."""
+    return temperature[space.mesh.faces] @ space.face_shape.T

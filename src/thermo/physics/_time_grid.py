@@ -1,0 +1,144 @@
+"""The steps of a simulation, laid out before it runs.
+
+Steps are planned once and then kept: the simulation is then a fixed program, smooth in its
+parameters, which an adaptive step inside an inversion is not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import final
+
+import equinox as eqx
+import jax
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from thermo.physics._balance import assemble
+from thermo.physics._conjugate_gradient import ConjugateGradient
+from thermo.physics._model import Model
+from thermo.physics.integrators import Sdirk2, step_with_error
+
+SAFETY, SHRINK, GROW = 0.9, 0.2, 3.0
+
+
+@final
+class TimeGrid(eqx.Module):
+    """Steps from t = 0 and the frames that they land on.
+
+    - `start`, `size`: of each step, (steps,) [s].
+    - `frame_step`: for each frame the number of steps done by then, (frames,).
+    - `frame_time`: (frames,) [s].
+    """
+
+    start: Float[Array | np.ndarray, " steps"]
+    size: Float[Array | np.ndarray, " steps"]
+    frame_step: Int[Array | np.ndarray, " frames"]
+    frame_time: Float[Array | np.ndarray, " frames"]
+
+
+def _grid(ends: Sequence[float], frames: Float[np.ndarray, " frames"]) -> TimeGrid:
+    edges = np.concatenate([[0.0], np.asarray(ends, float)])
+    return TimeGrid(
+        start=edges[:-1],
+        size=np.diff(edges),
+        frame_step=np.searchsorted(edges, frames - 1e-9).astype(np.int32),
+        frame_time=np.asarray(frames, float),
+    )
+
+
+def uniform_steps(
+    frames: Float[np.ndarray, " frames"], size: float, switches: Sequence[float] = ()
+) -> TimeGrid:
+    """Steps of at most `size` [s] that end exactly at every frame and every switch [s].
+
+    Arguments:
+
+    - `frames`: (frames,) [s], increasing and not negative.
+    - `switches`: times that no step may cross [s].
+    """
+    stops = np.unique(np.concatenate([[0.0], np.asarray(frames, float), _inside(switches, frames)]))
+    ends: list[float] = []
+    for low, high in zip(stops[:-1], stops[1:], strict=True):
+        count = max(int(np.ceil((high - low) / size - 1e-9)), 1)
+        ends.extend(np.linspace(low, high, count + 1)[1:])
+    return _grid(ends, np.asarray(frames, float))
+
+
+def _inside(switches: Sequence[float], frames: Float[np.ndarray, " frames"]) -> np.ndarray:
+    return np.array([t for t in switches if 0 < t < frames[-1]], float)
+
+
+@eqx.filter_jit
+def _try_step(
+    scheme: Sdirk2,
+    model: Model,
+    temperature: Float[Array, " nodes"],
+    start: Float[Array, ""],
+    size: Float[Array, ""],
+    solver: ConjugateGradient,
+) -> tuple[Float[Array, " nodes"], Float[Array, ""]]:
+    balance = assemble(model)
+    new, error = step_with_error(scheme, balance, temperature, start, size, solver)
+    return new, error.max()
+
+
+def plan_steps(
+    model: Model,
+    initial: Float[Array, " nodes"],
+    frames: Float[np.ndarray, " frames"],
+    *,
+    tolerance: float,
+    largest: float,
+    switches: Sequence[float] = (),
+    every_frame: bool = True,
+    scheme: Sdirk2 | None = None,
+) -> TimeGrid:
+    """Choose steps whose estimated error stays below `tolerance`, for a second-order scheme.
+
+    A step ends at each switch and, with `every_frame`, at each frame; otherwise at the last frame
+    within reach, and the frames in between are left out of the grid.
+
+    Arguments:
+
+    - `initial`: (nodes,) [K]; `frames`: candidate frames (frames,) [s].
+    - `tolerance`: largest error of one step anywhere on the body [K].
+    - `largest`: longest step [s].
+    - `switches`: times that no step may cross [s].
+    """
+    scheme = Sdirk2() if scheme is None else scheme
+    frames = np.asarray(frames, float)
+    stops = np.unique(np.append(_inside(switches, frames), frames[-1]))
+    solver = ConjugateGradient(rtol=1e-5)
+    smallest = 1e-4 * min(largest, float(frames[-1]))
+    time, temperature, size = 0.0, initial, 10 * smallest
+    ends: list[float] = []
+    while time < frames[-1] - 1e-9:
+        goal = min(time + min(size, largest), stops[np.searchsorted(stops, time + 1e-9)])
+        goal = _land(time, goal, frames, every_frame)
+        length = goal - time
+        new, error = _try_step(
+            scheme, model, temperature, jax.numpy.asarray(time), jax.numpy.asarray(length), solver
+        )
+        ratio = float(error) / tolerance
+        size = length * float(np.clip(SAFETY * max(ratio, 1e-9) ** (-1 / 3), SHRINK, GROW))
+        if ratio > 1 and length > 2 * smallest:
+            size = max(size, smallest)
+            continue
+        time, temperature = goal, new
+        ends.append(goal)
+        if np.isclose(stops, goal, rtol=0, atol=1e-9).any():
+            size = 10 * smallest
+    reached = np.concatenate([[0.0], ends])
+    landed = frames[np.abs(frames[:, None] - reached).min(1) < 1e-9]
+    return _grid(ends, landed)
+
+
+def _land(
+    time: float, goal: float, frames: Float[np.ndarray, " frames"], every_frame: bool
+) -> float:
+    """The frame on which a step that could reach `goal` should end, or `goal` itself [s]."""
+    ahead = frames[(frames > time + 1e-9) & (frames <= goal + 1e-9)]
+    if len(ahead) == 0:
+        return goal
+    return float(ahead[0] if every_frame else ahead[-1])

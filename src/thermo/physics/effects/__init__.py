@@ -1,0 +1,34 @@
+"""Effects: what exchanges, heats or holds the body. One final module each."""
+
+from thermo.physics.effects._convection import Contact, Convection
+from thermo.physics.effects._effect import AbstractSurfaceEffect, AbstractVolumeEffect
+from thermo.physics.effects._heating import (
+    Heating,
+    PrescribedFlux,
+    VolumetricSource,
+    patch_profile,
+    spot_profile,
+)
+from thermo.physics.effects._law import PolynomialLaw
+from thermo.physics.effects._prescribed import PrescribedTemperature
+from thermo.physics.effects._radiation import STEFAN_BOLTZMANN, LaggedRadiation, Radiation
+from thermo.physics.effects._schedule import History, Schedule
+
+__all__ = [
+    "STEFAN_BOLTZMANN",
+    "AbstractSurfaceEffect",
+    "AbstractVolumeEffect",
+    "Contact",
+    "Convection",
+    "Heating",
+    "History",
+    "LaggedRadiation",
+    "PolynomialLaw",
+    "PrescribedFlux",
+    "PrescribedTemperature",
+    "Radiation",
+    "Schedule",
+    "VolumetricSource",
+    "patch_profile",
+    "spot_profile",
+]

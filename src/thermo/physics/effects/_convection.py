@@ -1,0 +1,59 @@
+"""Convection to surroundings, and contact with a support: both exchange in proportion."""
+
+from __future__ import annotations
+
+from typing import final
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from thermo.physics.effects._effect import AbstractSurfaceEffect, Time
+from thermo.physics.effects._schedule import History, value_at
+
+
+@final
+class Convection(AbstractSurfaceEffect):
+    """Newton's law q = h (T_ambient - T).
+
+    - `coefficient`: h of each face, (faces,) [W/m2/K]; zero where a face does not exchange.
+    - `ambient`: [K], constant or a history.
+
+    Source: paper, boundary condition (checklist B2).
+    """
+
+    coefficient: Float[Array, " faces"]
+    ambient: Float[Array, ""] | float | History
+
+    def flux(
+        self, temperature: Float[Array, "faces points"], time: Time
+    ) -> Float[Array, "faces points"]:
+        """Flux into the body [W/m2] at surface temperatures [K] and a time [s]."""
+        return self.coefficient[:, None] * (value_at(self.ambient, time) - temperature)
+
+    def slope(self, temperature: Float[Array, "faces points"]) -> Float[Array, "faces points"]:
+        """Coefficient of the implicit matrix, h [W/m2/K]."""
+        return jnp.broadcast_to(self.coefficient[:, None], temperature.shape)
+
+
+@final
+class Contact(AbstractSurfaceEffect):
+    """Contact with a support that keeps its own temperature, q = g (T_support - T).
+
+    - `conductance`: g of each face, (faces,) [W/m2/K]; zero off the support.
+    - `support`: [K], constant or a history.
+
+    Source: Carslaw and Jaeger, Conduction of Heat in Solids, section 1.9.
+    """
+
+    conductance: Float[Array, " faces"]
+    support: Float[Array, ""] | float | History
+
+    def flux(
+        self, temperature: Float[Array, "faces points"], time: Time
+    ) -> Float[Array, "faces points"]:
+        """Flux into the body [W/m2] at surface temperatures [K] and a time [s]."""
+        return self.conductance[:, None] * (value_at(self.support, time) - temperature)
+
+    def slope(self, temperature: Float[Array, "faces points"]) -> Float[Array, "faces points"]:
+        """Coefficient of the implicit matrix, g [W/m2/K]."""
+        return jnp.broadcast_to(self.conductance[:, None], temperature.shape)

@@ -1,0 +1,34 @@
+"""What every effect answers: its flux into the body, and how that falls with temperature."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+
+import equinox as eqx
+from jaxtyping import Array, Float
+
+Time = float | Float[Array, ""]
+
+
+class AbstractSurfaceEffect(eqx.Module):
+    """Heat exchanged through the surface: q_in(T, t) [W/m2] at the face points."""
+
+    @abstractmethod
+    def flux(
+        self, temperature: Float[Array, "faces points"], time: Time
+    ) -> Float[Array, "faces points"]:
+        """Flux into the body [W/m2] at surface temperatures [K] and a time [s]."""
+
+    @abstractmethod
+    def slope(
+        self, temperature: Float[Array, "faces points"]
+    ) -> Float[Array, "faces points"] | None:
+        """Coefficient [W/m2/K] that the implicit matrix takes for -dq/dT; None means zero."""
+
+
+class AbstractVolumeEffect(eqx.Module):
+    """Heat released inside the body [W/m3]."""
+
+    @abstractmethod
+    def power(self, time: Time) -> Float[Array, " cells"]:
+        """Power density [W/m3] of each cell at a time [s]."""

@@ -1,0 +1,45 @@
+"""Backward Euler."""
+
+from __future__ import annotations
+
+from typing import final
+
+import equinox as eqx
+from jaxtyping import Array, Float
+
+from thermo.physics._balance import Balance
+from thermo.physics._conjugate_gradient import ConjugateGradient
+from thermo.physics.effects._effect import Time
+from thermo.physics.integrators._integrator import AbstractIntegrator, Step, solve_stage, within
+
+
+@final
+class BackwardEuler(AbstractIntegrator):
+    """M (T' - T) = dt F(T', t + dt), first order, L-stable, one solve a step and iteration.
+
+    With `LaggedRadiation` and one iteration this is the paper's scheme.
+
+    - `iterations`: Newton iterations [1]; one linearises about the old temperature.
+
+    Source: paper, appendix B.4 (checklist B5).
+    """
+
+    iterations: int = eqx.field(static=True, default=1)
+
+    def order(self) -> int:
+        """Order of accuracy [1]."""
+        return 1
+
+    def step(
+        self,
+        balance: Balance,
+        temperature: Float[Array, " nodes"],
+        start: Time,
+        size: Time,
+        solver: ConjugateGradient,
+    ) -> Step:
+        """Nodal temperatures [K] one step of `size` [s] after `start` [s]."""
+        end = within(start, size, 1.0)
+        return solve_stage(
+            balance, temperature, None, end, size, None, self.iterations, solver
+        )

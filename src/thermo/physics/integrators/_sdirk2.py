@@ -1,0 +1,123 @@
+"""A second-order, L-stable scheme of two implicit stages with one matrix."""
+
+from __future__ import annotations
+
+from typing import final
+
+import equinox as eqx
+import jax.numpy as jnp
+import lineax as lx
+from jaxtyping import Array, Float
+
+from thermo.physics._balance import (
+    Balance,
+    equivalent,
+    heat_rate,
+    step_matrix,
+    stored_heat,
+)
+from thermo.physics._conjugate_gradient import ConjugateGradient
+from thermo.physics.effects._effect import Time
+from thermo.physics.integrators._integrator import (
+    AbstractIntegrator,
+    Step,
+    solve_increment,
+    solve_stage,
+    within,
+)
+
+GAMMA = 1 - 0.5**0.5
+
+
+@final
+class Sdirk2(AbstractIntegrator):
+    """Singly diagonally implicit Runge-Kutta with gamma = 1 - 1/sqrt(2).
+
+    M (Y1 - T) = gamma dt F(Y1), M (Y2 - T) = (1 - gamma) dt F(Y1) + gamma dt F(Y2), T' = Y2.
+    Second order, L-stable, stiffly accurate; two solves a step with the same matrix. One Newton
+    iteration a stage keeps the order with radiation; properties that change with temperature
+    want two.
+
+    - `iterations`: Newton iterations a stage [1].
+
+    Source: Alexander, SIAM J. Numer. Anal. 14 (1977) 1006.
+    """
+
+    iterations: int = eqx.field(static=True, default=1)
+
+    def order(self) -> int:
+        """Order of accuracy [1]."""
+        return 2
+
+    def step(
+        self,
+        balance: Balance,
+        temperature: Float[Array, " nodes"],
+        start: Time,
+        size: Time,
+        solver: ConjugateGradient,
+    ) -> Step:
+        """Nodal temperatures [K] one step of `size` [s] after `start` [s]."""
+        end, _, result = _stages(self, balance, temperature, start, size, solver)
+        return end, result
+
+
+def _stages(
+    scheme: Sdirk2,
+    balance: Balance,
+    temperature: Float[Array, " nodes"],
+    start: Time,
+    size: Time,
+    solver: ConjugateGradient,
+) -> tuple[Float[Array, " nodes"], Float[Array, " nodes"], lx.RESULTS]:
+    weight = GAMMA * size
+    matrix = step_matrix(balance, temperature, weight)
+    early = within(start, size, GAMMA)
+    first, result = solve_stage(
+        balance, temperature, None, early, weight, matrix, scheme.iterations, solver
+    )
+    old = equivalent(balance, temperature)
+    rise = equivalent(balance, first) - old
+    base = old + (1 - GAMMA) / GAMMA * rise
+    guess = temperature + (first - temperature) / GAMMA
+    last, outcome = solve_stage(
+        balance, guess, base, within(start, size, 1.0), weight, matrix, scheme.iterations, solver
+    )
+    result = lx.RESULTS.where(outcome == lx.RESULTS.successful, result, outcome)
+    return last, rise, result
+
+
+def step_with_error(
+    scheme: Sdirk2,
+    balance: Balance,
+    temperature: Float[Array, " nodes"],
+    start: Time,
+    size: Time,
+    solver: ConjugateGradient,
+) -> tuple[Float[Array, " nodes"], Float[Array, " nodes"]]:
+    """One step [K] and an estimate of its error at each node [K].
+
+    The slopes at the start and at both stages make a quadrature of third order; its difference
+    from the step, filtered by the step's own matrix so that stiff parts do not count, estimates
+    the local error.
+
+    Source: Hosea and Shampine, Appl. Numer. Math. 20 (1996) 21, section 4, for the filter.
+    """
+    last, rise, _ = _stages(scheme, balance, temperature, start, size, solver)
+    middle = 1 / (6 * GAMMA * (1 - GAMMA))
+    late = 0.5 - middle * GAMMA
+    early = 1 - middle - late
+    slope_first = stored_heat(balance, rise) / GAMMA
+    total = equivalent(balance, last) - equivalent(balance, temperature)
+    slope_last = stored_heat(balance, total - (1 - GAMMA) / GAMMA * rise) / GAMMA
+    slope_start = size * heat_rate(balance, temperature, within(start, size, 0.0))
+    defect = (
+        early * slope_start
+        + (middle - (1 - GAMMA)) * slope_first
+        + (late - GAMMA) * slope_last
+    )
+    if balance.model.prescribed is not None:
+        defect = defect * balance.model.prescribed.free()
+    matrix = step_matrix(balance, temperature, GAMMA * size)
+    error, _ = solve_increment(matrix, defect, solver)
+    return last, jnp.abs(error)

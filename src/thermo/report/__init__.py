@@ -1,0 +1,28 @@
+"""What a run leaves: JSON, arrays, ParaView files and figures; tables and progress on the way."""
+
+from ._figure_curves import figure_curves
+from ._figure_field import figure_field
+from ._figure_history import figure_history
+from ._figure_residuals import figure_residuals
+from ._folder import require_writable
+from ._json import write_json
+from ._npz import write_npz
+from ._progress import Progress
+from ._table import table
+from ._versions import versions
+from ._vtk import write_pvd, write_vtu
+
+__all__ = [
+    "Progress",
+    "figure_curves",
+    "figure_field",
+    "figure_history",
+    "figure_residuals",
+    "require_writable",
+    "table",
+    "versions",
+    "write_json",
+    "write_npz",
+    "write_pvd",
+    "write_vtu",
+]

@@ -1,0 +1,53 @@
+"""The loss over the steps of an inversion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+from matplotlib.ticker import MaxNLocator
+
+from ._canvas import new_figure, round_ticks, save, tidy
+
+
+def figure_history(
+    path: Path,
+    losses: Sequence[float] | Float[np.ndarray, " steps"],
+    title: str = "Loss history",
+) -> None:
+    """Draws the loss after each step, and the best so far, as PNG.
+
+    Arguments:
+    - `path`: the file; its folder is made if it is missing.
+    - `losses`: the loss [1] at the start and after each step; steps without a finite loss are
+      gaps. The axis is logarithmic where every finite loss is positive.
+    - `title`: one line above.
+    """
+    loss = np.asarray(losses, dtype=float)
+    steps = np.arange(len(loss))
+    finite = np.isfinite(loss)
+    figure = new_figure(6.0, 3.6)
+    axes = figure.subplots()
+    marker = "o" if len(loss) <= 60 else ""
+    shown = np.where(finite, loss, np.nan)
+    axes.plot(steps, shown, color="#2166ac", lw=1.2, marker=marker, ms=4, label="loss")
+    if finite.any():
+        best = np.fmin.accumulate(shown)
+        axes.plot(steps, best, color="#b2182b", lw=1.0, ls="--", label="best so far")
+        if (loss[finite] > 0).all():
+            axes.set_yscale("log")
+            round_ticks(axes.yaxis)
+        # A restored or interrupted run may end above its best.
+        axes.annotate(
+            f"{np.nanmin(shown):.4g}", (int(np.nanargmin(shown)), float(np.nanmin(shown))),
+            (0, 6), textcoords="offset points", fontsize=8, ha="right",
+        )  # fmt: skip
+    tidy(axes)
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    axes.set_xlabel("step", fontsize=9)
+    axes.set_ylabel("loss [1]", fontsize=9)
+    axes.set_title(title, fontsize=11)
+    axes.legend(fontsize=8, frameon=False)
+    save(figure, path)

@@ -1,0 +1,85 @@
+"""Binding points to the boundary."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from thermo.errors import InputError
+from thermo.mesh import ball_mesh, box_mesh, cylinder_mesh, locate, promote
+from thermo.mesh._locate import nearest_triangle
+
+BALL = ball_mesh(0.025, 3)
+MESHES = {
+    (shape, order): mesh if order == 1 else promote(mesh)
+    for shape, mesh in (("ball", BALL), ("rod", cylinder_mesh(0.005, 0.2, 2, 40)))
+    for order in (1, 2)
+}
+
+
+def sample(mesh, rng, count):
+    """Random points on the boundary and the faces they lie on."""
+    face = rng.integers(len(mesh.faces), size=count)
+    weights = rng.dirichlet([1.0, 1.0, 1.0], size=count)
+    return np.einsum("sk,ski->si", weights, mesh.nodes[mesh.faces[face, :3]])
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.sampled_from(sorted(MESHES)), st.integers(0, 2**32 - 1))
+def test_weights_reproduce_positions_and_polynomials(key, seed):
+    mesh, rng = MESHES[key], np.random.default_rng(seed)
+    points = sample(mesh, rng, 30)
+    bound = locate(mesh, points)
+    np.testing.assert_allclose(bound.weights.sum(axis=1), 1.0, atol=1e-12)
+    np.testing.assert_allclose(bound.distance, 0.0, atol=1e-12)
+    got = np.einsum("sq,sqi->si", bound.weights, mesh.nodes[bound.nodes])
+    np.testing.assert_allclose(got, points, atol=1e-12)
+    slope, curve = rng.normal(size=3), rng.normal(size=(3, 3))
+
+    def field(x):
+        square = np.einsum("...i,ij,...j->...", x, curve, x)
+        return 1.0 + x @ slope + (square if mesh.order == 2 else 0.0)
+
+    read = (bound.weights * field(mesh.nodes[bound.nodes])).sum(axis=1)
+    np.testing.assert_allclose(read, field(points), atol=1e-12)
+    np.testing.assert_array_equal(bound.nodes, mesh.faces[bound.face])
+
+
+def brute(corners, points):
+    """Distance by dense sampling and refinement of every triangle (an upper bound)."""
+    i, j = np.meshgrid(np.arange(41), np.arange(41), indexing="ij")
+    keep = i + j <= 40
+    first, second = i[keep] / 40, j[keep] / 40
+    weights = np.stack([1 - first - second, first, second], axis=1)
+    cloud = np.einsum("qk,tki->tqi", weights, corners).reshape(-1, 3)
+    return np.array([np.linalg.norm(cloud - p, axis=1).min() for p in points])
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_nearest_triangle_is_the_nearest_among_unequal_ones(seed):
+    rng = np.random.default_rng(seed)
+    sizes = 10.0 ** rng.uniform(-3, 0, size=(40, 1, 1))
+    corners = rng.normal(size=(40, 1, 3)) + sizes * rng.normal(size=(40, 3, 3))
+    points = rng.normal(size=(12, 3)) * 2
+    face, weights, distance = nearest_triangle(corners, points)
+    assert (weights > -1e-12).all()
+    foot = np.einsum("sk,ski->si", weights, corners[face])
+    np.testing.assert_allclose(np.linalg.norm(points - foot, axis=1), distance, atol=1e-12)
+    dense = brute(corners, points)
+    assert (distance <= dense + 1e-12).all()
+    spacing = np.linalg.norm(np.diff(corners, axis=1), axis=2).max() / 40
+    assert (dense - distance <= spacing).all()
+
+
+def test_distance_off_a_flat_side_and_off_a_corner():
+    mesh = box_mesh((1.0, 1.0, 1.0), (3, 3, 3))
+    bound = locate(mesh, np.array([[0.4, 0.3, 1.2], [1.3, 1.4, 1.0], [0.45, 0.5, 0.1]]))
+    np.testing.assert_allclose(bound.distance, [0.2, 0.5, 0.1], atol=1e-12)
+    np.testing.assert_allclose(mesh.normals[bound.face[0]], [0, 0, 1])
+
+
+@pytest.mark.parametrize("points", [np.zeros(3), np.zeros((2, 2)), np.full((1, 3), np.nan)])
+def test_bad_points_are_refused(points):
+    with pytest.raises(InputError, match="points"):
+        locate(BALL, points)

@@ -1,0 +1,114 @@
+"""Cell sizes from physics, and how well they resolve it."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from thermo.errors import InputError
+from thermo.mesh import (
+    Sizing,
+    box_mesh,
+    expected_nodes,
+    heat_depth,
+    promote,
+    resolution,
+    sizing_from_physics,
+)
+from thermo.mesh._sizing_field import sizing_field, surface_cloud
+from thermo.mesh._thickness import thicknesses
+
+
+def test_depth_of_the_plastic_bunny():
+    assert heat_depth(1.3e-7, 60.0) == pytest.approx(2.79e-3, rel=1e-2)
+
+
+def test_a_poor_conductor_gets_a_fine_skin_and_a_coarse_inside(cube):
+    sizing = sizing_from_physics(cube, diffusivity=1.3e-7, duration=60.0)
+    assert sizing.skin == pytest.approx(heat_depth(1.3e-7, 60.0), rel=1e-6)
+    assert sizing.core > 1.5 * sizing.skin
+    finer = sizing_from_physics(cube, diffusivity=1.3e-7, duration=60.0, cells_per_depth=1.5)
+    assert finer.skin < sizing.skin
+
+
+def test_a_good_conductor_gets_a_few_cells_across(cube):
+    sizing = sizing_from_physics(cube, diffusivity=1e-4, duration=60.0)
+    assert sizing.core == pytest.approx(cube.diagonal() / 12)
+    assert expected_nodes(cube, sizing) < 10000
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.floats(1e-9, 1e-3), st.floats(0.1, 1e4), st.integers(500, 50000))
+def test_the_estimate_stays_below_the_cap(diffusivity, duration, most):
+    import trimesh
+
+    from .conftest import as_surface
+
+    plate = as_surface(trimesh.creation.box((0.08, 0.08, 0.004)))
+    sizing = sizing_from_physics(
+        plate, diffusivity=diffusivity, duration=duration, max_nodes=most
+    )
+    assert expected_nodes(plate, sizing) <= most
+    assert 0 < sizing.skin <= sizing.core
+
+
+def test_thickness_of_a_plate_and_a_ball(ball):
+    import trimesh
+
+    from .conftest import as_surface
+
+    plate = as_surface(trimesh.creation.box((0.08, 0.08, 0.004)).subdivide().subdivide())
+    assert np.quantile(thicknesses(plate), 0.05) == pytest.approx(0.004)
+    np.testing.assert_allclose(thicknesses(ball), 0.05, rtol=0.1)
+
+
+def test_field_is_skin_on_the_surface_and_core_inside(cube):
+    sizing = Sizing(skin=0.002, core=0.006, depth=0.008)
+    nodes, cells, values = sizing_field(cube, sizing)
+    assert cells.max() < len(nodes) == len(values)
+    distance = np.abs(0.02 - np.abs(nodes).max(axis=1))
+    inside = (np.abs(nodes) < 0.02).all(axis=1)
+    np.testing.assert_allclose(values[inside & (distance < 5e-4)], 0.002, rtol=0.1)
+    np.testing.assert_allclose(values[inside & (distance > 0.010)], 0.006)
+    assert values.min() >= 0.002 and values.max() <= 0.006
+
+
+def test_cloud_leaves_no_gap(cube):
+    from scipy.spatial import cKDTree
+
+    rng = np.random.default_rng(0)
+    spots = rng.uniform(-0.02, 0.02, size=(500, 3))
+    spots[np.arange(500), rng.integers(3, size=500)] = 0.02
+    gap, _ = cKDTree(surface_cloud(cube, 0.001)).query(spots)
+    assert gap.max() < 0.001
+
+
+@pytest.mark.parametrize("values", [(0.0, 1, 1), (1, 0.5, 1), (1, 1, np.nan), (-1, 1, 1)])
+def test_senseless_sizings_are_refused(values):
+    with pytest.raises(InputError, match="sizing"):
+        Sizing(*values)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"diffusivity": 0.0}, {"diffusivity": np.nan}, {"duration": -1.0},
+        {"cells_per_depth": 0.0}, {"max_nodes": 0},
+    ],
+)
+def test_senseless_physics_is_refused(cube, change):
+    good = {"diffusivity": 1e-6, "duration": 60.0}
+    with pytest.raises(InputError, match=next(iter(change))):
+        sizing_from_physics(cube, **(good | change))
+
+
+def test_resolution_counts_cells_and_says_so():
+    mesh = box_mesh((0.04, 0.04, 0.04), (8, 8, 8))
+    found = resolution(mesh, diffusivity=1e-6, duration=100.0)
+    assert found.depth == pytest.approx(0.01)
+    assert 0.005 <= found.skin_edge <= 0.005 * np.sqrt(3)
+    assert found.cells_per_depth == pytest.approx(found.depth / found.skin_edge)
+    assert "10.0 mm deep" in found.describe() and "well resolved" not in found.describe()
+    assert resolution(promote(mesh), diffusivity=1e-6, duration=100.0) == found
+    assert "well" in resolution(mesh, diffusivity=1e-6, duration=1000.0).describe()
+    assert "too coarse" in resolution(mesh, diffusivity=1e-6, duration=1.0).describe()

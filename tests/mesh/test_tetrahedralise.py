@@ -1,0 +1,188 @@
+"""Meshing by pytetwild, its gate and its cache."""
+
+import os
+
+import numpy as np
+import pytest
+
+from thermo.errors import InputError
+from thermo.mesh import (
+    Sizing,
+    Surface,
+    box_mesh,
+    cell_quality,
+    cell_volumes,
+    locate,
+    tetrahedralise,
+)
+from thermo.mesh import _tetrahedralise as module
+from thermo.mesh._cache import content_key, default_cache, load_cells, save_cells
+from thermo.mesh._gate import gated_mesh
+
+COARSE = Sizing(skin=0.008, core=0.014, depth=0.01)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A cache shared by the tests of this file, so that the mesher runs rarely."""
+    return tmp_path_factory.mktemp("meshes")
+
+
+@pytest.fixture
+def no_mesher(monkeypatch):
+    """Fail where the mesher would run."""
+
+    def refuse(*_):
+        raise AssertionError("the mesher ran")
+
+    monkeypatch.setattr(module, "_run_mesher", refuse)
+
+
+def test_a_cube_is_filled_and_nothing_is_left_behind(cube, folder, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    mesh = tetrahedralise(cube, COARSE, cache=folder)
+    assert os.listdir(tmp_path) == []
+    assert mesh.order == 1 and (cell_volumes(mesh) > 0).all()
+    assert mesh.volume() == pytest.approx(0.04**3, rel=2e-3)
+    assert cell_quality(mesh).min() > 0.03
+    assert locate(mesh, cube.vertices).distance.max() < 1e-4
+
+
+def test_a_graded_ball_is_finer_at_the_skin(ball, folder):
+    mesh = tetrahedralise(ball, Sizing(skin=0.004, core=0.014, depth=0.01), cache=folder)
+    assert mesh.volume() == pytest.approx(ball.volume(), rel=5e-3)
+    centres = np.linalg.norm(mesh.nodes[mesh.cells].mean(axis=1), axis=1)
+    size = np.cbrt(cell_volumes(mesh))
+    assert size[centres > 0.02].mean() < 0.6 * size[centres < 0.012].mean()
+
+
+def test_a_second_call_reads_the_cache(cube, folder, no_mesher):
+    again = tetrahedralise(cube, COARSE, cache=folder)
+    assert len(list(folder.glob("*.npz"))) >= 1 and not list(folder.glob("*.part"))
+    twice = tetrahedralise(cube, COARSE, cache=folder)
+    np.testing.assert_array_equal(again.nodes, twice.nodes)
+    np.testing.assert_array_equal(again.cells, twice.cells)
+
+
+def fake_mesher(monkeypatch, nodes, cells):
+    calls = []
+
+    def make(*_):
+        calls.append(1)
+        return nodes, cells
+
+    monkeypatch.setattr(module, "_run_mesher", make)
+    return calls
+
+
+@pytest.fixture
+def made():
+    """A mesh of the 40 mm cube that no mesher made."""
+    mesh = box_mesh((0.04, 0.04, 0.04), (2, 2, 2), origin=(-0.02, -0.02, -0.02))
+    return mesh.nodes, mesh.cells
+
+
+def damaged_entries(nodes, cells):
+    """What may lie in the cache in place of an entry."""
+    from io import BytesIO
+
+    stream = BytesIO()
+    np.savez(stream, format=np.array("thermofield-mesh/1"), nodes=nodes, cells=cells)
+    whole = stream.getvalue()
+    stream = BytesIO()
+    np.savez(stream, format=np.array("another/9"), nodes=nodes, cells=cells)
+    other = stream.getvalue()
+    stream = BytesIO()
+    pickled = np.array([{"a": 1}], dtype=object)
+    np.savez(stream, format=np.array("thermofield-mesh/1"), nodes=pickled, cells=cells)
+    unsafe = stream.getvalue()
+    stream = BytesIO()
+    np.savez(stream, format=np.array("thermofield-mesh/1"), nodes=2.0 * nodes, cells=cells)
+    wrong = stream.getvalue()
+    return {"cut": whole[: len(whole) // 2], "empty": b"", "noise": b"x" * 500, "other": other,
+            "pickled": unsafe, "wrong size": wrong}
+
+
+@pytest.mark.parametrize("kind", ["cut", "empty", "noise", "other", "pickled", "wrong size"])
+def test_damaged_entries_are_made_again(cube, tmp_path, monkeypatch, made, kind):
+    calls = fake_mesher(monkeypatch, *made)
+    tetrahedralise(cube, COARSE, cache=tmp_path)
+    (entry,) = tmp_path.glob("*.npz")
+    entry.write_bytes(damaged_entries(*made)[kind])
+    mesh = tetrahedralise(cube, COARSE, cache=tmp_path)
+    assert len(calls) == 2 and mesh.volume() == pytest.approx(0.04**3)
+    tetrahedralise(cube, COARSE, cache=tmp_path)
+    assert len(calls) == 2
+
+
+def test_a_cache_that_cannot_be_written_is_passed_over(cube, tmp_path, monkeypatch, made):
+    blocked = tmp_path / "file"
+    blocked.write_text("in the way")
+    fake_mesher(monkeypatch, *made)
+    assert len(tetrahedralise(cube, COARSE, cache=blocked / "meshes").cells) == 48
+    assert blocked.read_text() == "in the way"
+
+
+def test_default_cache_follows_the_environment(monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert default_cache() == tmp_path / "thermofield" / "meshes"
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    monkeypatch.setenv("HOME", "/somewhere")
+    assert str(default_cache()) == "/somewhere/.cache/thermofield/meshes"
+
+
+def test_the_key_depends_on_all_that_matters(cube, ball):
+    keys = {
+        content_key(cube, COARSE, (1.0,)),
+        content_key(ball, COARSE, (1.0,)),
+        content_key(cube, COARSE, (2.0,)),
+        content_key(cube, Sizing(0.008, 0.014, 0.011), (1.0,)),
+        content_key(Surface(cube.vertices * 1.001, cube.triangles), COARSE, (1.0,)),
+    }
+    assert len(keys) == 5
+    copied = Surface(cube.vertices.copy(), cube.triangles.astype(np.int32))
+    assert content_key(copied, COARSE, (1.0,)) in keys
+
+
+def test_entries_round_trip(tmp_path, made):
+    entry = tmp_path / "deep" / "entry.npz"
+    assert load_cells(entry) is None
+    save_cells(entry, *made)
+    kept = load_cells(entry)
+    assert kept is not None
+    np.testing.assert_array_equal(kept[0], made[0])
+    np.testing.assert_array_equal(kept[1], made[1])
+
+
+def test_the_gate_refuses_empty_flat_and_shrunken_meshes(cube, made):
+    nodes, cells = made
+    assert len(gated_mesh(nodes, cells, cube, where="cube").cells) == 48
+    with pytest.raises(InputError, match="no inside"):
+        gated_mesh(nodes, cells[:0], cube, where="cube")
+    with pytest.raises(InputError, match="does not fill"):
+        gated_mesh(0.99 * nodes, cells, cube, where="cube")
+    with pytest.raises(InputError, match="flat"):
+        moved = nodes.copy()
+        moved[np.linalg.norm(nodes, axis=1) < 1e-9] = [0.0199, 0.0, 0.0]
+        gated_mesh(moved, cells, cube, where="cube")
+
+
+def test_a_surface_that_is_too_fine_is_refused_at_once(cube, tmp_path, monkeypatch, no_mesher):
+    monkeypatch.setattr(module, "MOST_TRIANGLES", 100)
+    with pytest.raises(InputError, match="too fine") as refusal:
+        tetrahedralise(cube, COARSE, cache=tmp_path, where="cube.stl")
+    assert "cube.stl" in str(refusal.value)
+
+
+def test_a_mesher_that_takes_too_long_is_stopped(cube, tmp_path):
+    with pytest.raises(InputError, match="did not finish"):
+        tetrahedralise(cube, COARSE, cache=tmp_path, time_limit=0.01)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_mesher_that_fails_is_reported(cube, tmp_path, monkeypatch):
+    child = tmp_path / "child.py"
+    child.write_text("raise SystemExit('no memory left')")
+    monkeypatch.setattr(module._mesher_child, "__file__", str(child))
+    with pytest.raises(InputError, match="no memory left"):
+        tetrahedralise(cube, COARSE, cache=tmp_path / "cache")

@@ -1,0 +1,79 @@
+from __future__ import annotations
+
+import io
+
+import pytest
+
+from thermo.report import Progress
+from thermo.report._progress import duration
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+class Clock:
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+def drive(stream: io.StringIO, steps: int, seconds: float) -> str:
+    clock = Clock()
+    with Progress("fit", steps, stream, clock) as progress:
+        for step in range(1, steps + 1):
+            clock.now += seconds
+            progress.update(step, 10.0 / step)
+    return stream.getvalue()
+
+
+def test_a_log_gets_a_line_every_five_seconds_and_the_last() -> None:
+    lines = drive(io.StringIO(), 100, 0.13).splitlines()
+    assert [line.split(",")[0] for line in lines] == [
+        "fit: step 39 of 100",
+        "fit: step 78 of 100",
+        "fit: step 100 of 100",
+    ]
+    assert lines[0] == "fit: step 39 of 100, loss 0.25641, 5 s elapsed, at most 8 s left"
+    assert lines[-1] == "fit: step 100 of 100, loss 0.1, 13 s elapsed"
+
+
+def test_a_terminal_gets_one_line_four_times_a_second() -> None:
+    text = drive(Terminal(), 100, 0.01)
+    assert 3 <= text.count("\r") <= 6
+    assert text.count("\n") == 1 and text.endswith("\x1b[K\n")
+    assert "step 100 of 100" in text.split("\r")[-1]
+
+
+def test_slow_steps_are_all_shown_once() -> None:
+    assert drive(io.StringIO(), 4, 6.0).count("\n") == 4
+
+
+def test_an_error_ends_the_line_and_shows_the_last_state() -> None:
+    stream, clock = Terminal(), Clock()
+    with pytest.raises(KeyboardInterrupt), Progress("fit", None, stream, clock) as progress:
+        progress.update(1)
+        clock.now += 0.01
+        progress.update(2, 0.5)
+        raise KeyboardInterrupt
+    assert stream.getvalue().endswith("fit: step 2, loss 0.5, 0 s elapsed\x1b[K\n")
+    progress.close()
+    assert stream.getvalue().count("\n") == 1
+
+
+def test_nothing_is_shown_without_a_step() -> None:
+    stream = io.StringIO()
+    with Progress("fit", 3, stream):
+        pass
+    assert stream.getvalue() == ""
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(0.2, "0 s"), (59.4, "59 s"), (59.6, "1 min 00 s"), (125, "2 min 05 s"), (3720, "1 h 02 min")],
+)
+def test_durations(seconds: float, text: str) -> None:
+    assert duration(seconds) == text
