@@ -12,7 +12,7 @@ matplotlib.use("Agg")
 
 # Every annotated function and data class of the package is checked as it is called. This must
 # come before the first import of the package.
-jaxtyping.install_import_hook("thermo", "beartype.beartype")
+jaxtyping.install_import_hook("thermo", "runtime_types.check")
 
 hypothesis.settings.register_profile(
     "thermo", max_examples=30, deadline=None, derandomize=True, print_blob=True, database=None

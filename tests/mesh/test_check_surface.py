@@ -121,7 +121,8 @@ def bad_surfaces(cube: Surface, ball: Surface) -> dict[str, tuple[Surface, str]]
         "fin": (Surface(cube.vertices, fin), "more than two"),
         "one-sided": (moebius(), "one-sided"),
         "sheet": (
-            Surface(flat, np.array([[0, 1, 2], [1, 3, 2], [0, 3, 1], [0, 2, 3]])), "nothing",
+            Surface(flat, np.array([[0, 1, 2], [1, 3, 2], [0, 3, 1], [0, 2, 3]])),
+            "nothing",
         ),
         "one inside out": (joined(cube, moved(ball, (0.1, 0, 0), flip=True)), "body"),
         "nested": (joined(ball, moved(ball, 0, 0.5)), "cavity"),
@@ -130,8 +131,21 @@ def bad_surfaces(cube: Surface, ball: Surface) -> dict[str, tuple[Surface, str]]
 
 
 NAMES = [
-    "empty", "no triangles", "points only", "range", "nan", "infinite", "millimetres",
-    "centimetres", "tiny", "open", "fin", "one-sided", "sheet", "one inside out", "nested",
+    "empty",
+    "no triangles",
+    "points only",
+    "range",
+    "nan",
+    "infinite",
+    "millimetres",
+    "centimetres",
+    "tiny",
+    "open",
+    "fin",
+    "one-sided",
+    "sheet",
+    "one inside out",
+    "nested",
     "crossing",
 ]
 

@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial import KDTree
 
 from thermo.errors import InputError
 from thermo.mesh import (
@@ -16,7 +18,9 @@ from thermo.mesh import (
     sizing_from_physics,
 )
 from thermo.mesh._sizing_field import sizing_field, surface_cloud
-from thermo.mesh._thickness import thicknesses
+from thermo.mesh._thickness import inward_rays
+
+from .conftest import as_surface
 
 
 def test_depth_of_the_plastic_bunny():
@@ -40,26 +44,16 @@ def test_a_good_conductor_gets_a_few_cells_across(cube):
 @settings(max_examples=30, deadline=None)
 @given(st.floats(1e-9, 1e-3), st.floats(0.1, 1e4), st.integers(500, 50000))
 def test_the_estimate_stays_below_the_cap(diffusivity, duration, most):
-    import trimesh
-
-    from .conftest import as_surface
-
     plate = as_surface(trimesh.creation.box((0.08, 0.08, 0.004)))
-    sizing = sizing_from_physics(
-        plate, diffusivity=diffusivity, duration=duration, max_nodes=most
-    )
+    sizing = sizing_from_physics(plate, diffusivity=diffusivity, duration=duration, max_nodes=most)
     assert expected_nodes(plate, sizing) <= most
     assert 0 < sizing.skin <= sizing.core
 
 
 def test_thickness_of_a_plate_and_a_ball(ball):
-    import trimesh
-
-    from .conftest import as_surface
-
     plate = as_surface(trimesh.creation.box((0.08, 0.08, 0.004)).subdivide().subdivide())
-    assert np.quantile(thicknesses(plate), 0.05) == pytest.approx(0.004)
-    np.testing.assert_allclose(thicknesses(ball), 0.05, rtol=0.1)
+    assert np.quantile(inward_rays(plate).lengths, 0.05) == pytest.approx(0.004)
+    np.testing.assert_allclose(inward_rays(ball).lengths, 0.05, rtol=0.1)
 
 
 def test_field_is_skin_on_the_surface_and_core_inside(cube):
@@ -74,12 +68,10 @@ def test_field_is_skin_on_the_surface_and_core_inside(cube):
 
 
 def test_cloud_leaves_no_gap(cube):
-    from scipy.spatial import cKDTree
-
     rng = np.random.default_rng(0)
     spots = rng.uniform(-0.02, 0.02, size=(500, 3))
     spots[np.arange(500), rng.integers(3, size=500)] = 0.02
-    gap, _ = cKDTree(surface_cloud(cube, 0.001)).query(spots)
+    gap, _ = KDTree(surface_cloud(cube, 0.001)).query(spots)
     assert gap.max() < 0.001
 
 
@@ -92,8 +84,11 @@ def test_senseless_sizings_are_refused(values):
 @pytest.mark.parametrize(
     "change",
     [
-        {"diffusivity": 0.0}, {"diffusivity": np.nan}, {"duration": -1.0},
-        {"cells_per_depth": 0.0}, {"max_nodes": 0},
+        {"diffusivity": 0.0},
+        {"diffusivity": np.nan},
+        {"duration": -1.0},
+        {"cells_per_depth": 0.0},
+        {"max_nodes": 0},
     ],
 )
 def test_senseless_physics_is_refused(cube, change):
@@ -103,12 +98,29 @@ def test_senseless_physics_is_refused(cube, change):
 
 
 def test_resolution_counts_cells_and_says_so():
-    mesh = box_mesh((0.04, 0.04, 0.04), (8, 8, 8))
+    mesh = box_mesh((0.04, 0.04, 0.04), (6, 6, 6))
     found = resolution(mesh, diffusivity=1e-6, duration=100.0)
     assert found.depth == pytest.approx(0.01)
-    assert 0.005 <= found.skin_edge <= 0.005 * np.sqrt(3)
+    assert 0.04 / 6 <= found.skin_edge <= 0.04 / 6 * np.sqrt(3)
     assert found.cells_per_depth == pytest.approx(found.depth / found.skin_edge)
     assert "10.0 mm deep" in found.describe() and "well resolved" not in found.describe()
     assert resolution(promote(mesh), diffusivity=1e-6, duration=100.0) == found
     assert "well" in resolution(mesh, diffusivity=1e-6, duration=1000.0).describe()
     assert "too coarse" in resolution(mesh, diffusivity=1e-6, duration=1.0).describe()
+
+
+def test_a_smooth_ball_needs_more_nodes_for_a_tighter_tolerance():
+    fine = as_surface(trimesh.creation.icosphere(subdivisions=4, radius=0.025))
+    tight, loose = (
+        expected_nodes(fine, Sizing(0.007, 0.007, 0.05, tolerance)) for tolerance in (2e-5, 2e-4)
+    )
+    assert tight > 2 * loose
+    assert Sizing(0.007, 0.007, 0.05).envelope(fine) == pytest.approx(5e-4 * fine.diagonal())
+    with pytest.raises(InputError, match="tolerance"):
+        Sizing(0.007, 0.007, 0.05, 0.0)
+
+
+def test_a_cap_below_what_the_curved_sides_need_still_ends():
+    fine = as_surface(trimesh.creation.icosphere(subdivisions=4, radius=0.025))
+    sizing = sizing_from_physics(fine, diffusivity=1e-6, duration=60.0, max_nodes=200)
+    assert sizing.skin < fine.diagonal()

@@ -99,8 +99,14 @@ def damaged_entries(nodes, cells):
     stream = BytesIO()
     np.savez(stream, format=np.array("thermofield-mesh/1"), nodes=2.0 * nodes, cells=cells)
     wrong = stream.getvalue()
-    return {"cut": whole[: len(whole) // 2], "empty": b"", "noise": b"x" * 500, "other": other,
-            "pickled": unsafe, "wrong size": wrong}
+    return {
+        "cut": whole[: len(whole) // 2],
+        "empty": b"",
+        "noise": b"x" * 500,
+        "other": other,
+        "pickled": unsafe,
+        "wrong size": wrong,
+    }
 
 
 @pytest.mark.parametrize("kind", ["cut", "empty", "noise", "other", "pickled", "wrong size"])
@@ -165,13 +171,6 @@ def test_the_gate_refuses_empty_flat_and_shrunken_meshes(cube, made):
         moved = nodes.copy()
         moved[np.linalg.norm(nodes, axis=1) < 1e-9] = [0.0199, 0.0, 0.0]
         gated_mesh(moved, cells, cube, where="cube")
-
-
-def test_a_surface_that_is_too_fine_is_refused_at_once(cube, tmp_path, monkeypatch, no_mesher):
-    monkeypatch.setattr(module, "MOST_TRIANGLES", 100)
-    with pytest.raises(InputError, match="too fine") as refusal:
-        tetrahedralise(cube, COARSE, cache=tmp_path, where="cube.stl")
-    assert "cube.stl" in str(refusal.value)
 
 
 def test_a_mesher_that_takes_too_long_is_stopped(cube, tmp_path):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Self, final
+from typing import final
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -37,7 +37,7 @@ class DirectField(AbstractField):
         """u [1]."""
         return self.raw
 
-    def with_parameters(self, parameters: Float[Array, " controls"]) -> Self:
+    def with_parameters(self, parameters: Float[Array, " controls"]) -> DirectField:
         """The same field with other u [1]."""
         return eqx.tree_at(lambda field: field.raw, self, parameters)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Self
 
 import equinox as eqx
 from jaxtyping import Array, Float, PyTree
@@ -26,7 +25,7 @@ class AbstractField(eqx.Module):
         """What an optimiser changes [1]."""
 
     @abstractmethod
-    def with_parameters(self, parameters: PyTree[Float[Array, "..."]]) -> Self:
+    def with_parameters(self, parameters: PyTree[Float[Array, "..."]]) -> AbstractField:
         """The same field with other parameters [1]."""
 
     @abstractmethod

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Self, final
+from typing import final
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -33,7 +33,7 @@ class FrozenField(AbstractField):
         """The parameters of the inner field [1]."""
         return self.inner.parameters()
 
-    def with_parameters(self, parameters: PyTree[Float[Array, "..."]]) -> Self:
+    def with_parameters(self, parameters: PyTree[Float[Array, "..."]]) -> FrozenField:
         """The same field with other parameters [1]."""
         inner = self.inner.with_parameters(parameters)
         return eqx.tree_at(lambda field: field.inner, self, inner)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Self, final
+from typing import final
 
 import equinox as eqx
 import jax
@@ -56,7 +56,7 @@ class NetworkField(AbstractField):
         """Weights and biases [1]."""
         return eqx.filter(self.network, eqx.is_inexact_array)
 
-    def with_parameters(self, parameters: PyTree[Float[Array, "..."]]) -> Self:
+    def with_parameters(self, parameters: PyTree[Float[Array, "..."]]) -> NetworkField:
         """The same field with other weights [1]."""
         network = eqx.combine(parameters, self.network)
         return eqx.tree_at(lambda field: field.network, self, network)

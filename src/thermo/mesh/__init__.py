@@ -8,11 +8,13 @@ from ._cylinder import cylinder_mesh
 from ._geometry import cell_quality, cell_volumes, face_areas
 from ._locate import SurfacePoints, locate
 from ._mesh import Mesh
+from ._node_count import expected_nodes
 from ._patches import face_centres, faces_in_box, faces_towards, faces_where
 from ._promote import linear, promote
 from ._read_surface import read_surface
 from ._resolution import Resolution, resolution
-from ._sizing import Sizing, expected_nodes, heat_depth, sizing_from_physics
+from ._sizing import Sizing, heat_depth
+from ._sizing_from_physics import sizing_from_physics
 from ._surface import Surface
 from ._tetrahedralise import tetrahedralise
 

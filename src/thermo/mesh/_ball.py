@@ -19,7 +19,6 @@ def ball_mesh(radius: float | int, shells: int) -> Mesh:
     nodes lie on the sphere of `radius`, the faces between them inside it.
 
     Arguments:
-
     - `radius`: [m].
     - `shells`: cells along the radius.
 
@@ -57,7 +56,7 @@ def _icosahedron() -> tuple[Float[np.ndarray, "12 3"], Int[np.ndarray, "20 3"]]:
 def _divided_simplex(parts: int) -> tuple[Int[np.ndarray, "nodes 3"], Int[np.ndarray, "cells 4"]]:
     """Kuhn's split of the lattice restricted to parts >= x >= y >= z >= 0."""
     shape = (parts + 1, parts + 1, parts + 1)
-    lattice = np.stack(np.indices(shape), axis=-1).reshape(-1, 3)
+    lattice = np.stack(list(np.indices(shape)), axis=-1).reshape(-1, 3)
     inside = (lattice[:, 0] >= lattice[:, 1]) & (lattice[:, 1] >= lattice[:, 2])
     cells = lattice_cells(shape)
     cells = cells[inside[cells].all(axis=1)]

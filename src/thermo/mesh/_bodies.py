@@ -46,16 +46,19 @@ def outward(
     size = float(np.linalg.norm(np.ptp(vertices, axis=0))) ** 3
     if np.abs(volumes).min() < 1e-12 * size:
         raise InputError(
-            "a part of the surface encloses nothing", where=where,
+            "a part of the surface encloses nothing",
+            where=where,
             value=f"part {int(np.argmin(np.abs(volumes))) + 1} of {count}: "
             f"{np.abs(volumes).min():.1e} m3",
-            limit="a volume above 0", remedy="remove flat and doubled sheets",
+            limit="a volume above 0",
+            remedy="remove flat and doubled sheets",
         )
     expected = np.ones(count)
     for inner in range(count):
         probe = vertices[parts[inner][0, 0]]
         around = [
-            outer for outer in range(count)
+            outer
+            for outer in range(count)
             if outer != inner and abs(winding_number(probe, vertices[parts[outer]])) > 0.5
         ]
         expected[inner] = -1.0 if len(around) % 2 else 1.0
@@ -66,7 +69,8 @@ def outward(
         first = int(np.argmax(wrong))
         kind = "cavity" if expected[first] < 0.0 else "body"
         raise InputError(
-            f"a {kind} is turned the wrong way", where=where,
+            f"a {kind} is turned the wrong way",
+            where=where,
             value=f"part {first + 1} of {count} ({len(parts[first])} triangles)",
             limit="bodies turned outward, cavities inside them turned inward",
             remedy="flip that part in a mesh editor, or remove it",

@@ -39,8 +39,10 @@ def boundary_faces(
     if counts.max() > 2:
         bad = ordered[starts[np.argmax(counts)]]
         raise InputError(
-            "a face is shared by more than two cells", where=where,
-            value=f"face of nodes {bad.tolist()} in {counts.max()} cells", limit="at most 2 cells",
+            "a face is shared by more than two cells",
+            where=where,
+            value=f"face of nodes {bad.tolist()} in {counts.max()} cells",
+            limit="at most 2 cells",
             remedy="remove the doubled or overlapping cells",
         )
     pairs = starts[counts == 2]
@@ -48,7 +50,8 @@ def boundary_faces(
     if same_side.any():
         bad = ordered[pairs[same_side][0]]
         raise InputError(
-            "two cells overlap", where=where,
+            "two cells overlap",
+            where=where,
             value=f"both on one side of the face of nodes {bad.tolist()}",
             limit="cells on opposite sides of their common face",
             remedy="remove the doubled or overlapping cells",

@@ -22,7 +22,6 @@ def box_mesh(
     """TET4 mesh of a box: every brick of a regular lattice is split into six cells.
 
     Arguments:
-
     - `lengths`: sides of the box along x, y, z [m].
     - `divisions`: number of bricks along x, y, z.
     - `origin`: the corner with the smallest coordinates [m].
@@ -31,13 +30,19 @@ def box_mesh(
     """
     if not (np.isfinite(lengths).all() and min(lengths) > 0.0):
         raise InputError(
-            "a side of the box is not positive", where="lengths", value=lengths,
-            limit="above 0 m", remedy="give the three sides in metres",
+            "a side of the box is not positive",
+            where="lengths",
+            value=lengths,
+            limit="above 0 m",
+            remedy="give the three sides in metres",
         )
     if min(divisions) < 1:
         raise InputError(
-            "a side of the box has no bricks", where="divisions", value=divisions,
-            limit="1 or more", remedy="divide each side at least once",
+            "a side of the box has no bricks",
+            where="divisions",
+            value=divisions,
+            limit="1 or more",
+            remedy="divide each side at least once",
         )
     axes = [
         start + np.linspace(0.0, length, count + 1)

@@ -25,31 +25,44 @@ def _checked_arrays(
     nodes, cells = np.asarray(nodes, float), np.asarray(cells)
     if nodes.ndim != 2 or nodes.shape[1] != 3 or len(nodes) == 0:
         raise InputError(
-            "the nodes are not a list of positions", where=where, value=f"shape {nodes.shape}",
-            limit="shape (nodes, 3) with nodes > 0", remedy="give three coordinates a node [m]",
+            "the nodes are not a list of positions",
+            where=where,
+            value=f"shape {nodes.shape}",
+            limit="shape (nodes, 3) with nodes > 0",
+            remedy="give three coordinates a node [m]",
         )
     if cells.ndim != 2 or cells.shape[1] not in (4, 10) or len(cells) == 0:
         raise InputError(
-            "the cells are not tetrahedra", where=where, value=f"shape {cells.shape}",
+            "the cells are not tetrahedra",
+            where=where,
+            value=f"shape {cells.shape}",
             limit="shape (cells, 4) or (cells, 10) with cells > 0",
             remedy="give 4 or 10 node numbers a cell",
         )
     if not np.issubdtype(cells.dtype, np.integer):
         raise InputError(
-            "the cells are not whole numbers", where=where, value=f"dtype {cells.dtype}",
-            limit="an integer dtype", remedy="give node numbers counted from 0",
+            "the cells are not whole numbers",
+            where=where,
+            value=f"dtype {cells.dtype}",
+            limit="an integer dtype",
+            remedy="give node numbers counted from 0",
         )
     bad = np.flatnonzero(~np.isfinite(nodes).all(axis=1))
     if bad.size:
         raise InputError(
-            "a node is not finite", where=where, value=f"node {bad[0]}: {nodes[bad[0]].tolist()}",
-            limit="finite coordinates [m]", remedy="remove or repair the node",
+            "a node is not finite",
+            where=where,
+            value=f"node {bad[0]}: {nodes[bad[0]].tolist()}",
+            limit="finite coordinates [m]",
+            remedy="remove or repair the node",
         )
     if cells.min() < 0 or cells.max() >= len(nodes):
         raise InputError(
-            "a cell names a node that is not there", where=where,
+            "a cell names a node that is not there",
+            where=where,
             value=f"numbers from {cells.min()} to {cells.max()}",
-            limit=f"0 to {len(nodes) - 1}", remedy="count the nodes from 0",
+            limit=f"0 to {len(nodes) - 1}",
+            remedy="count the nodes from 0",
         )
     return nodes, cells.astype(np.int32)
 
@@ -60,15 +73,19 @@ def _checked_regions(regions: np.ndarray | None, count: int, where: str) -> np.n
     regions = np.asarray(regions)
     if regions.shape != (count,) or not np.issubdtype(regions.dtype, np.integer):
         raise InputError(
-            "the regions do not fit the cells", where=where,
+            "the regions do not fit the cells",
+            where=where,
             value=f"shape {regions.shape}, dtype {regions.dtype}",
             limit=f"one whole number for each of {count} cells",
             remedy="give the region number of every cell",
         )
     if regions.min() < 0:
         raise InputError(
-            "a region number is negative", where=where, value=int(regions.min()),
-            limit="0 or more", remedy="count the regions from 0",
+            "a region number is negative",
+            where=where,
+            value=int(regions.min()),
+            limit="0 or more",
+            remedy="count the regions from 0",
         )
     return regions.astype(np.int32)
 
@@ -79,7 +96,8 @@ def _oriented(nodes: np.ndarray, cells: np.ndarray, where: str) -> np.ndarray:
     worst = int(np.argmin(np.abs(quality)))
     if abs(quality[worst]) < FLATTEST:
         raise InputError(
-            "a cell has no volume", where=where,
+            "a cell has no volume",
+            where=where,
             value=f"cell {worst}: mean ratio {abs(quality[worst]):.1e}, "
             f"volume {signed_volumes(nodes, cells[worst : worst + 1])[0]:.1e} m3",
             limit=f"mean ratio of at least {FLATTEST:g}",
@@ -97,7 +115,8 @@ def _require_straight(nodes: np.ndarray, cells: np.ndarray, where: str) -> None:
     cell, edge = np.unravel_index(int(np.argmax(relative)), relative.shape)
     if relative[cell, edge] > STRAIGHT:
         raise InputError(
-            "a middle node is not in the middle of its edge", where=where,
+            "a middle node is not in the middle of its edge",
+            where=where,
             value=f"cell {cell}, edge {edge}: {off[cell, edge]:.2e} m off",
             limit=f"{STRAIGHT:g} of the edge length (cells have straight edges)",
             remedy="give the four corners of each cell and call promote(mesh)",
@@ -117,7 +136,6 @@ def mesh_from_cells(
     out are turned.
 
     Arguments:
-
     - `nodes`: (nodes, 3) positions [m].
     - `cells`: (cells, 4) or (cells, 10) node numbers in VTK's order.
     - `regions`: (cells,) material region of each cell, 0 for all where left out.
@@ -136,4 +154,3 @@ def mesh_from_cells(
     faces, owners = boundary_faces(cells, where=where)
     normals, _ = triangle_normals(nodes, faces)
     return Mesh(nodes, cells.astype(np.int32), faces, owners, normals, region_numbers)
-

@@ -32,7 +32,7 @@ def content_key(surface: Surface, sizing: Sizing, settings: tuple[float, ...]) -
         mesher = version("pytetwild")
     except PackageNotFoundError:
         mesher = "none"
-    lengths = (sizing.skin, sizing.core, sizing.depth, *settings)
+    lengths = (sizing.skin, sizing.core, sizing.depth, sizing.envelope(surface), *settings)
     digest = hashlib.sha256(f"{FORMAT} pytetwild {mesher}".encode())
     digest.update(np.array(lengths, "<f8").tobytes())
     digest.update(np.array([len(surface.vertices), len(surface.triangles)], "<i8").tobytes())

@@ -24,7 +24,6 @@ def check_surface(
     filled.
 
     Arguments:
-
     - `where`: what to call the surface in messages, such as its file.
     - `largest`, `smallest`: limits of the longest side of the box [m].
 
@@ -49,7 +48,10 @@ def check_surface(
 
 def _empty(where: str, value: str) -> InputError:
     return InputError(
-        "the surface is empty", where=where, value=value, limit="at least 4 triangles",
+        "the surface is empty",
+        where=where,
+        value=value,
+        limit="at least 4 triangles",
         remedy="export the object as a closed triangle surface",
     )
 
@@ -61,26 +63,35 @@ def _checked_arrays(surface: Surface, where: str) -> tuple[np.ndarray, np.ndarra
     for name, array in (("vertices", vertices), ("triangles", triangles)):
         if array.ndim != 2 or array.shape[1] != 3:
             raise InputError(
-                f"the {name} have the wrong shape", where=where, value=f"shape {array.shape}",
-                limit=f"shape ({name}, 3)", remedy="give three columns",
+                f"the {name} have the wrong shape",
+                where=where,
+                value=f"shape {array.shape}",
+                limit=f"shape ({name}, 3)",
+                remedy="give three columns",
             )
     if triangles.min() < 0 or triangles.max() >= len(vertices):
         raise InputError(
-            "a triangle names a vertex that is not there", where=where,
+            "a triangle names a vertex that is not there",
+            where=where,
             value=f"numbers from {triangles.min()} to {triangles.max()}",
-            limit=f"0 to {len(vertices) - 1}", remedy="count the vertices from 0",
+            limit=f"0 to {len(vertices) - 1}",
+            remedy="count the vertices from 0",
         )
     bad = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
     if bad.size:
         raise InputError(
-            "a vertex is not finite", where=where,
+            "a vertex is not finite",
+            where=where,
             value=f"vertex {bad[0]}: {vertices[bad[0]].tolist()} ({bad.size} in all)",
-            limit="finite coordinates", remedy="remove or repair these vertices",
+            limit="finite coordinates",
+            remedy="remove or repair these vertices",
         )
     return vertices, triangles.astype(np.int64)
 
 
-def _require_size(vertices: np.ndarray, where: str, largest: float | int, smallest: float | int) -> None:
+def _require_size(
+    vertices: np.ndarray, where: str, largest: float | int, smallest: float | int
+) -> None:
     """Refuse a body whose longest side cannot be right, with a guess at the unit."""
     longest = float(np.ptp(vertices, axis=0).max())
     if smallest <= longest <= largest:
@@ -94,8 +105,11 @@ def _require_size(vertices: np.ndarray, where: str, largest: float | int, smalle
     elif smallest <= 1e3 * longest <= largest:
         guess = "looks like metres scaled down; state unit=m, or scale the surface"
     raise InputError(
-        "the size is not believable", where=where, value=f"longest side {longest:g} m",
-        limit=f"{smallest:g} to {largest:g} m", remedy=guess,
+        "the size is not believable",
+        where=where,
+        value=f"longest side {longest:g} m",
+        limit=f"{smallest:g} to {largest:g} m",
+        remedy=guess,
     )
 
 
@@ -104,7 +118,8 @@ def _require_closed(vertices: np.ndarray, triangles: np.ndarray, where: str) -> 
     if len(rest):
         near = vertices[rest[0]].mean(axis=0)
         raise InputError(
-            "the surface is open", where=where,
+            "the surface is open",
+            where=where,
             value=f"{len(rest)} open edges, one near {near.round(5).tolist()} m",
             limit="closed, or holes of at most 1 % of the area",
             remedy="close the holes in a mesh editor",
@@ -116,9 +131,11 @@ def _require_no_crossing(vertices: np.ndarray, triangles: np.ndarray, where: str
     if len(pairs):
         near = vertices[triangles[pairs[0, 0]]].mean(axis=0)
         raise InputError(
-            "the surface passes through itself", where=where,
+            "the surface passes through itself",
+            where=where,
             value=f"{len(pairs)} pairs of triangles, one near {near.round(5).tolist()} m",
-            limit="no crossing triangles", remedy="repair it in a mesh editor (boolean union)",
+            limit="no crossing triangles",
+            remedy="repair it in a mesh editor (boolean union)",
         )
 
 

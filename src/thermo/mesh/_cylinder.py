@@ -17,7 +17,6 @@ def cylinder_mesh(radius: float | int, length: float | int, rings: int, layers: 
     prism with 6 `rings` sides.
 
     Arguments:
-
     - `radius`, `length`: [m].
     - `rings`: cells along the radius; ring k has 6 k nodes.
     - `layers`: cells along the axis.

@@ -17,7 +17,6 @@ class EdgeTable:
     Side 3 t + i of triangle t runs from its corner i to its corner i + 1.
 
     Arguments:
-
     - `edges`: (edges, 2) vertex numbers, ascending in each row.
     - `counts`: (edges,) number of sides on each edge.
     - `starts`: (edges,) where the edge's sides begin in `order`.
@@ -44,9 +43,7 @@ def edge_table(triangles: Int[np.ndarray, "triangles 3"]) -> EdgeTable:
     key = ordered[:, 0] * (int(triangles.max()) + 1) + ordered[:, 1]
     order = np.argsort(key, kind="stable")
     _, starts, counts = np.unique(key[order], return_index=True, return_counts=True)
-    return EdgeTable(
-        ordered[order[starts]], counts, starts, order, sides[:, 0] < sides[:, 1]
-    )
+    return EdgeTable(ordered[order[starts]], counts, starts, order, sides[:, 0] < sides[:, 1])
 
 
 def open_sides(triangles: Int[np.ndarray, "triangles 3"]) -> Int[np.ndarray, "open 2"]:

@@ -28,14 +28,18 @@ def gated_mesh(nodes: np.ndarray, cells: np.ndarray, surface: Surface, *, where:
     """
     if len(cells) == 0:
         raise InputError(
-            "the mesher found no inside", where=where, value="0 cells", limit="1 cell or more",
+            "the mesher found no inside",
+            where=where,
+            value="0 cells",
+            limit="1 cell or more",
             remedy="check that the surface is closed and turned outward",
         )
     mesh = mesh_from_cells(nodes, cells, where=f"mesh of {where}")
     quality = cell_quality(mesh)
     if quality.min() < LEAST_QUALITY:
         raise InputError(
-            "the mesh has a flat cell", where=where,
+            "the mesh has a flat cell",
+            where=where,
             value=f"mean ratio {quality.min():.3g} in cell {int(np.argmin(quality))}",
             limit=f"{LEAST_QUALITY:g} or more",
             remedy="change the sizing a little, or remove slivers from the surface",
@@ -43,7 +47,8 @@ def gated_mesh(nodes: np.ndarray, cells: np.ndarray, surface: Surface, *, where:
     wanted, got = surface.volume(), mesh.volume()
     if not abs(got - wanted) <= VOLUME_TOLERANCE * abs(wanted):
         raise InputError(
-            "the mesh does not fill the surface", where=where,
+            "the mesh does not fill the surface",
+            where=where,
             value=f"volume {got:.6g} m3, surface {wanted:.6g} m3",
             limit=f"{VOLUME_TOLERANCE:.1%} difference",
             remedy="make the sizing finer, or check the surface for thin and open parts",

@@ -59,7 +59,7 @@ def cell_volumes(mesh: Mesh) -> Float[np.ndarray, " cells"]:
 
 
 def cell_quality(mesh: Mesh) -> Float[np.ndarray, " cells"]:
-    """Mean ratio of each cell in (0, 1]: 1 for a regular tetrahedron, towards 0 for a flat one.
+    """Mean ratio [1] of each cell, in (0, 1]: 1 for a regular one, towards 0 for a flat one.
 
     q = 12 (3 V)^(2/3) / (l1^2 + ... + l6^2), after Liu and Joe, BIT 34 (1994) 268-287.
     """

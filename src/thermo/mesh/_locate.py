@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import Final, final
 
 import equinox as eqx
 import numpy as np
 from jaxtyping import Float, Int
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from thermo.errors import InputError
 
 from ._mesh import Mesh
 from ._nearest import closest_on_triangles
+
+LARGEST_BATCH: Final = 400000
+"""Most pairs of point and triangle that are tried at once, to bound the memory."""
 
 
 @final
@@ -20,7 +23,6 @@ class SurfacePoints(eqx.Module):
     """Points bound to boundary faces; a nodal field u reads sum_q weights[s, q] u[nodes[s, q]].
 
     Arguments:
-
     - `face`: (samples,) the nearest boundary face.
     - `weights`: (samples, 3) or (samples, 6) shape functions of the face's nodes; rows sum to 1.
     - `nodes`: (samples, 3) or (samples, 6) the face's nodes.
@@ -54,7 +56,6 @@ def locate(mesh: Mesh, points: np.ndarray) -> SurfacePoints:
     Points far away are projected too; the caller judges `distance`.
 
     Arguments:
-
     - `points`: (samples, 3) positions [m].
 
     Raises `InputError` where the points are not finite or not three coordinates each.
@@ -62,15 +63,19 @@ def locate(mesh: Mesh, points: np.ndarray) -> SurfacePoints:
     points = np.asarray(points, float)
     if points.ndim != 2 or points.shape[1] != 3:
         raise InputError(
-            "the points are not a list of positions", where="points",
-            value=f"shape {points.shape}", limit="shape (samples, 3)",
+            "the points are not a list of positions",
+            where="points",
+            value=f"shape {points.shape}",
+            limit="shape (samples, 3)",
             remedy="give three coordinates a sample [m]",
         )
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if bad.size:
         raise InputError(
-            "a point is not finite", where="points",
-            value=f"sample {bad[0]}: {points[bad[0]].tolist()}", limit="finite coordinates [m]",
+            "a point is not finite",
+            where="points",
+            value=f"sample {bad[0]}: {points[bad[0]].tolist()}",
+            limit="finite coordinates [m]",
             remedy="remove the sample, or give its position",
         )
     corners = mesh.nodes[mesh.faces[:, :3]]
@@ -97,7 +102,7 @@ def nearest_triangle(
     distance = np.full(len(points), np.inf)
     for size in np.unique(classes):
         members = np.flatnonzero(classes == size)
-        tree = cKDTree(centres[members])
+        tree = KDTree(centres[members])
         _search(corners, members, tree, radii[members].max(), points, face, barycentric, distance)
     return face, barycentric, distance
 
@@ -105,7 +110,7 @@ def nearest_triangle(
 def _search(
     corners: np.ndarray,
     members: np.ndarray,
-    tree: cKDTree,
+    tree: KDTree,
     radius: float,
     points: np.ndarray,
     face: np.ndarray,
@@ -117,7 +122,8 @@ def _search(
     while open_points.size:
         reach, hits = tree.query(points[open_points], k=count)
         reach, hits = reach.reshape(-1, count), hits.reshape(-1, count)
-        for rows in np.array_split(np.arange(len(open_points)), len(open_points) * count // 400000 + 1):
+        parts = len(open_points) * count // LARGEST_BATCH + 1
+        for rows in np.array_split(np.arange(len(open_points)), parts):
             chosen, tries = open_points[rows], members[hits[rows]]
             weight, gap = closest_on_triangles(corners[tries], points[chosen][:, None])
             best = np.argmin(gap, axis=1)

@@ -17,7 +17,6 @@ class Mesh(eqx.Module):
     checks nothing. All leaves are NumPy arrays.
 
     Arguments:
-
     - `nodes`: (nodes, 3) positions [m].
     - `cells`: (cells, 4) or (cells, 10) node numbers in VTK's order; every volume is positive.
     - `faces`: (faces, 3) or (faces, 6) boundary faces, corners turning outward.

@@ -15,15 +15,21 @@ def main(source: str, target: str) -> None:
     # pytetwild 0.4 imports pyvista, an optional dependency, for an accessor that is not used here.
     sys.modules.setdefault("pyvista", ModuleType("pyvista"))
     import numpy as np
-    from pytetwild import tetrahedralize
+    from pytetwild.pytetwild import tetrahedralize
 
     with np.load(source, allow_pickle=False) as given:
         nodes, cells = tetrahedralize(
-            given["vertices"], given["triangles"],
-            edge_length_abs=float(given["edge"]), epsilon=float(given["epsilon"]),
-            stop_energy=float(given["stop_energy"]), coarsen=bool(given["coarsen"]),
-            vtk_ordering=True, quiet=True,
-            bg_vertices=given["field_nodes"], bg_tets=given["field_cells"],
+            given["vertices"],
+            given["triangles"],
+            edge_length_abs=float(given["edge"]),
+            epsilon=float(given["epsilon"]),
+            stop_energy=float(given["stop_energy"]),
+            num_opt_iter=int(given["passes"]),
+            coarsen=bool(given["coarsen"]),
+            vtk_ordering=True,
+            quiet=True,
+            bg_vertices=given["field_nodes"],
+            bg_tets=given["field_cells"],
             bg_values=given["field_values"],
         )
     np.savez(target, nodes=nodes, cells=cells)

@@ -27,7 +27,6 @@ def read_surface(
     """Read, scale, repair and check a closed triangle surface.
 
     Arguments:
-
     - `path`: any file that trimesh reads as triangles (PLY, STL, OBJ, OFF, GLB).
     - `unit`: unit of the coordinates in the file: "m", "cm", "mm" or "inch".
     - `largest`, `smallest`: limits of the longest side of the box [m].
@@ -38,13 +37,19 @@ def read_surface(
     path = Path(path)
     if unit not in METRES:
         raise InputError(
-            "the unit is not known", where=str(path), value=unit, limit=", ".join(METRES),
+            "the unit is not known",
+            where=str(path),
+            value=unit,
+            limit=", ".join(METRES),
             remedy="state the unit of the file's coordinates",
         )
     if not path.is_file():
         raise InputError(
-            "the surface file is not there", where=str(path), value="no such file",
-            limit="a readable file", remedy="check the path",
+            "the surface file is not there",
+            where=str(path),
+            value="no such file",
+            limit="a readable file",
+            remedy="check the path",
         )
     vertices, triangles = _load(path)
     surface = Surface(vertices * METRES[unit], triangles)
@@ -57,7 +62,8 @@ def _load(path: Path) -> tuple[np.ndarray, np.ndarray]:
     # trimesh's readers raise whatever they meet (struct, index, key, JSON errors).
     except Exception as error:
         raise InputError(
-            "the surface cannot be read", where=str(path),
+            "the surface cannot be read",
+            where=str(path),
             value=f"{type(error).__name__}: {str(error)[:200]}",
             limit="a triangle surface that trimesh reads",
             remedy="export it again as PLY, STL or OBJ",

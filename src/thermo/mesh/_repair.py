@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from ._edges import open_sides
 
@@ -21,12 +21,12 @@ SMALL_HOLE: Final = 0.01
 
 def merged_vertices(
     vertices: Float[np.ndarray, "vertices 3"], triangles: Int[np.ndarray, "triangles 3"]
-) -> tuple[Float[np.ndarray, "vertices 3"], Int[np.ndarray, "triangles 3"]]:
+) -> tuple[Float[np.ndarray, "merged 3"], Int[np.ndarray, "triangles 3"]]:
     """One vertex in place of those that coincide; vertices in no triangle are dropped."""
     used, inverse = np.unique(triangles, return_inverse=True)
     vertices, triangles = vertices[used], inverse.reshape(-1, 3)
     reach = SAME * float(np.linalg.norm(np.ptp(vertices, axis=0)))
-    pairs = cKDTree(vertices).query_pairs(reach, output_type="ndarray")
+    pairs = KDTree(vertices).query_pairs(reach, output_type="ndarray")
     if len(pairs) == 0:
         return vertices, triangles
     size = len(vertices)
@@ -40,7 +40,7 @@ def merged_vertices(
 
 def distinct_triangles(
     triangles: Int[np.ndarray, "triangles 3"],
-) -> Int[np.ndarray, "triangles 3"]:
+) -> Int[np.ndarray, "kept 3"]:
     """Triangles with three different corners, each once, in their order."""
     ordered = np.sort(triangles, axis=1)
     whole = (ordered[:, 0] != ordered[:, 1]) & (ordered[:, 1] != ordered[:, 2])
@@ -75,7 +75,7 @@ def hole_loops(triangles: Int[np.ndarray, "triangles 3"]) -> list[list[int]]:
 
 def filled_holes(
     vertices: Float[np.ndarray, "vertices 3"], triangles: Int[np.ndarray, "triangles 3"]
-) -> tuple[Float[np.ndarray, "vertices 3"], Int[np.ndarray, "triangles 3"]]:
+) -> tuple[Float[np.ndarray, "after 3"], Int[np.ndarray, "closed 3"]]:
     """Close every small hole by a triangle, or by a fan around its middle."""
     a, b, c = (vertices[triangles[:, i]] for i in range(3))
     area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()

@@ -24,7 +24,6 @@ class Resolution:
     """The depth that heat reaches and the cells that resolve it.
 
     Arguments:
-
     - `depth`: sqrt(diffusivity duration) [m].
     - `skin_edge`: mean edge length of the cells behind the boundary faces [m].
     - `cells_per_depth`: depth over skin_edge.
@@ -53,7 +52,6 @@ def resolution(mesh: Mesh, *, diffusivity: float | int, duration: float | int) -
     """Compare the surface cells with the depth sqrt(diffusivity duration).
 
     Arguments:
-
     - `diffusivity`: conductivity / (density heat capacity) [m2/s].
     - `duration`: time over which the body is watched [s].
 

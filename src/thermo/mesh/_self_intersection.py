@@ -66,6 +66,9 @@ def _pierces(
     reach = np.einsum("ij,ij->i", v, turn) * inverse
     return (
         usable
-        & (first > MARGIN) & (second > MARGIN) & (first + second < 1.0 - MARGIN)
-        & (reach > MARGIN) & (reach < 1.0 - MARGIN)
+        & (first > MARGIN)
+        & (second > MARGIN)
+        & (first + second < 1.0 - MARGIN)
+        & (reach > MARGIN)
+        & (reach < 1.0 - MARGIN)
     )

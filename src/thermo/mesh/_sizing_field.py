@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from jaxtyping import Float, Int
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from ._sizing import Sizing
 from ._structured import lattice_cells
@@ -28,7 +28,9 @@ def sizing_field(
     axes = [np.linspace(a, b, n) for a, b, n in zip(low, high, counts, strict=True)]
     nodes = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
     # Distances are to a cloud of surface points about half a lattice step apart.
-    distance, _ = cKDTree(surface_cloud(surface, 0.5 * step)).query(nodes)
+    cloud = KDTree(surface_cloud(surface, 0.5 * step))
+    # Beyond the layer the distance does not matter and comes back infinite.
+    distance, _ = cloud.query(nodes, distance_upper_bound=sizing.depth + step)
     # The lattice interpolates: within half a step of the surface it must already say `skin`.
     rise = np.clip((distance - 0.5 * step) / sizing.depth, 0.0, 1.0)
     x, y, z = (int(n) for n in counts)
@@ -48,4 +50,9 @@ def surface_cloud(surface: Surface, spacing: float) -> Float[np.ndarray, "points
         first, second = i[keep] / count, j[keep] / count
         weights = np.stack([1.0 - first - second, first, second], axis=1)
         points.append(np.einsum("qk,tki->tqi", weights, corners[parts == count]).reshape(-1, 3))
-    return np.concatenate(points)
+    every = np.concatenate(points)
+    # Narrow triangles and common sides repeat points: keep one in each small brick.
+    low = every.min(axis=0)
+    bricks = np.floor((every - low) / (0.25 * spacing)).astype(np.int64)
+    key = np.ravel_multi_index(tuple(bricks.T), tuple(bricks.max(axis=0) + 1))
+    return every[np.unique(key, return_index=True)[1]]

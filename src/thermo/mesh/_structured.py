@@ -24,9 +24,7 @@ def lattice_cells(shape: tuple[int, int, int]) -> Int[np.ndarray, "cells 4"]:
         for axis in path:
             corner[axis] += 1
             corners.append(corner.copy())
-        cells.append(
-            np.stack([_shifted(number, step).ravel() for step in corners], axis=1)
-        )
+        cells.append(np.stack([_shifted(number, step).ravel() for step in corners], axis=1))
     return np.stack(cells, axis=1).reshape(-1, 4)
 
 
@@ -45,6 +43,9 @@ def require_positive(name: str, value: float | int) -> None:
     """
     if not (np.isfinite(value) and value > 0):
         raise InputError(
-            f"{name} is not positive", where=name, value=value, limit="a finite number above 0",
+            f"{name} is not positive",
+            where=name,
+            value=value,
+            limit="a finite number above 0",
             remedy=f"give a positive {name}",
         )

@@ -17,7 +17,6 @@ class Surface:
     """A triangle surface; `check_surface` makes it one that can be meshed.
 
     Arguments:
-
     - `vertices`: (vertices, 3) positions [m].
     - `triangles`: (triangles, 3) vertex numbers, turning outward once checked.
     """

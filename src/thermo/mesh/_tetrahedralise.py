@@ -17,21 +17,19 @@ from . import _mesher_child
 from ._cache import content_key, default_cache, load_cells, save_cells
 from ._gate import gated_mesh
 from ._mesh import Mesh
+from ._simplify import simplified
 from ._sizing import Sizing
 from ._sizing_field import sizing_field
 from ._surface import Surface
 
-EPSILON: Final = 5e-4
-"""Envelope in which the mesher may move the surface, over the box diagonal."""
+STOP_ENERGY: Final = 30.0
+"""AMIPS energy at which the mesher is content; 10 takes twice as long for no gain that matters."""
 
-STOP_ENERGY: Final = 10.0
-"""AMIPS energy at which the mesher is content with its cells."""
+PASSES: Final = 20
+"""Most optimisation passes of the mesher; later ones take long and change little."""
 
 ASK: Final = 1.0
 """Edge lengths asked for, over those wanted: the mesher's edges come out longer."""
-
-MOST_TRIANGLES: Final = 40000
-"""Largest surface that is given to the mesher; its time grows steeply beyond."""
 
 
 def tetrahedralise(
@@ -45,12 +43,11 @@ def tetrahedralise(
     """Fill a checked surface with linear tetrahedra (TET4).
 
     The mesher is fTetWild (Hu, Schneider, Wang, Zorin, Panozzo, ACM Trans. Graph. 39 (2020) 117);
-    its surface stays within 5e-4 box diagonals of the given one. It is not reproducible, so the
+    its surface stays within the tolerance of the given one. It is not reproducible, so the
     result is kept in a cache under a hash of the surface, the sizing and the versions. It runs in
     a process and a folder of its own, and leaves nothing behind.
 
     Arguments:
-
     - `surface`: closed and turned outward, see `check_surface` [m].
     - `sizing`: wanted edge lengths [m].
     - `cache`: folder for meshes; `thermofield/meshes` in the user's cache where left out.
@@ -61,7 +58,7 @@ def tetrahedralise(
     long, and when its mesh is not good enough.
     """
     folder = default_cache() if cache is None else Path(cache)
-    entry = folder / f"{content_key(surface, sizing, (EPSILON, STOP_ENERGY, ASK))}.npz"
+    entry = folder / f"{content_key(surface, sizing, (STOP_ENERGY, PASSES, ASK))}.npz"
     kept = load_cells(entry)
     if kept is not None:
         try:
@@ -69,14 +66,7 @@ def tetrahedralise(
         except InputError:
             # An entry that no longer passes is as good as none.
             entry.unlink(missing_ok=True)
-    if len(surface.triangles) > MOST_TRIANGLES:
-        raise InputError(
-            "the surface is too fine for the mesher", where=where,
-            value=f"{len(surface.triangles)} triangles", limit=f"{MOST_TRIANGLES} triangles",
-            remedy="simplify the surface first; read_surface does so where the package "
-            "fast_simplification is installed",
-        )
-    nodes, cells = _run_mesher(surface, sizing, time_limit, where)
+    nodes, cells = _run_mesher(simplified(surface, where=where), sizing, time_limit, where)
     mesh = gated_mesh(nodes, cells, surface, where=where)
     save_cells(entry, mesh.nodes, mesh.cells)
     return mesh
@@ -90,9 +80,17 @@ def _run_mesher(
     with tempfile.TemporaryDirectory(prefix="thermofield-") as name:
         source, target = Path(name) / "surface.npz", Path(name) / "mesh.npz"
         np.savez(
-            source, vertices=surface.vertices, triangles=surface.triangles.astype(np.int32),
-            edge=ASK * sizing.core, epsilon=EPSILON, stop_energy=STOP_ENERGY, coarsen=True,
-            field_nodes=field_nodes, field_cells=field_cells, field_values=ASK * field_values,
+            source,
+            vertices=surface.vertices,
+            triangles=surface.triangles.astype(np.int32),
+            edge=ASK * sizing.core,
+            epsilon=sizing.envelope(surface) / surface.diagonal(),
+            stop_energy=STOP_ENERGY,
+            passes=PASSES,
+            coarsen=True,
+            field_nodes=field_nodes,
+            field_cells=field_cells,
+            field_values=ASK * field_values,
         )
         command = [sys.executable, _mesher_child.__file__, str(source), str(target)]
         try:
@@ -101,14 +99,20 @@ def _run_mesher(
             )
         except subprocess.TimeoutExpired as late:
             raise InputError(
-                "the mesher did not finish", where=where, value=f"stopped after {time_limit:g} s",
-                limit=f"{time_limit:g} s", remedy="coarsen the sizing or simplify the surface",
+                "the mesher did not finish",
+                where=where,
+                value=f"stopped after {time_limit:g} s",
+                limit=f"{time_limit:g} s",
+                remedy="coarsen the sizing or simplify the surface",
             ) from late
         if done.returncode != 0 or not target.exists():
             last = (done.stderr.strip().splitlines() or ["no message"])[-1]
             raise InputError(
-                "the mesher failed", where=where, value=f"exit {done.returncode}: {last[:200]}",
-                limit="a mesh", remedy="repair the surface, or mesh it elsewhere and read the cells",
+                "the mesher failed",
+                where=where,
+                value=f"exit {done.returncode}: {last[:200]}",
+                limit="a mesh",
+                remedy="repair the surface, or mesh it elsewhere and use mesh_from_cells",
             )
         with np.load(target, allow_pickle=False) as made:
             return made["nodes"], made["cells"]

@@ -26,10 +26,12 @@ def consistent_winding(
     if (table.counts > 2).any():
         worst = int(np.argmax(table.counts))
         raise InputError(
-            "an edge has more than two triangles", where=where,
+            "an edge has more than two triangles",
+            where=where,
             value=f"edge of vertices {table.edges[worst].tolist()} in {table.counts[worst]} "
             f"triangles, {(table.counts > 2).sum()} such edges",
-            limit="2 triangles an edge", remedy="remove inner walls and separate touching parts",
+            limit="2 triangles an edge",
+            remedy="remove inner walls and separate touching parts",
         )
     left, right, agree = _neighbours(table)
     size = len(triangles)
@@ -40,8 +42,11 @@ def consistent_winding(
     sign = _signs(graph, left, right, agree, body, count)
     if (sign[left] * sign[right] != np.where(agree, 1, -1)).any():
         raise InputError(
-            "the surface is one-sided", where=where, value="no consistent turn of its triangles",
-            limit="a surface with an inside and an outside", remedy="repair it in a mesh editor",
+            "the surface is one-sided",
+            where=where,
+            value="no consistent turn of its triangles",
+            limit="a surface with an inside and an outside",
+            remedy="repair it in a mesh editor",
         )
     return np.where((sign < 0)[:, None], triangles[:, [0, 2, 1]], triangles), body
 

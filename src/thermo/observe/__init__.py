@@ -7,6 +7,7 @@ recording a run. Everything is SI and temperatures are in kelvin. `read_scene` d
 
 from __future__ import annotations
 
+from ._binding import bind
 from ._distance import check_distance
 from ._heater import Heater
 from ._kelvin import COLDEST, HOTTEST
@@ -31,6 +32,7 @@ __all__ = [
     "Run",
     "Scene",
     "StatedMaterial",
+    "bind",
     "check_distance",
     "estimate_noise",
     "read_history",

@@ -11,8 +11,9 @@ from jaxtyping import Float
 
 from ._recording import Recording
 
-# A detector never resolves better than this [K]; it keeps weights of noise-free data finite.
-_FLOOR: Final = 1e-5
+# Records are stored in single precision, whose spacing near 300 K this is [K]. It also keeps the
+# weights of noise-free data finite.
+_FLOOR: Final = 3e-5
 # Two readings that differ by less than this are the same number, stored in two ways [K].
 _SAME: Final = 1e-7
 # A coarser grid than this is not the rounding of a thermometer [K].
@@ -53,7 +54,8 @@ def estimate_noise(recording: Recording) -> Noise:
     their median absolute value, so that a switching lamp does not count. It is then taken as
     uncorrelated, and the offset as 0, since neither can be told from the object's own warming.
 
-    The white part is never below the rounding of the data, step / sqrt(12).
+    The white part is never below the rounding of the data, step / sqrt(12), nor
+    below the spacing of single precision, 3e-5 K.
     """
     quiet = recording.quiet
     if quiet is not None and len(quiet) >= 3:

@@ -36,7 +36,7 @@ class Discretisation(eqx.Module):
     gradient: Float[Array | np.ndarray, "cells 4 3"]
     volume: Float[Array | np.ndarray, " cells"]
     cell_edge: Int[Array | np.ndarray, "cells pairs"]
-    face_edge: Int[Array | np.ndarray, "faces pairs"]
+    face_edge: Int[Array | np.ndarray, "faces face_pairs"]
     face_shape: Float[Array | np.ndarray, "points corners"]
     face_weight: Float[Array | np.ndarray, "faces points"]
     face_point: Float[Array | np.ndarray, "faces points 3"]
@@ -184,4 +184,7 @@ def on_faces(
     space: Discretisation, temperature: Float[Array, " nodes"]
 ) -> Float[Array, "faces points"]:
     """Temperature [K] at the quadrature points of the boundary faces."""
-    return temperature[space.mesh.faces] @ space.face_shape.T
+    corners = temperature[space.mesh.faces]
+    # From differences, so that a constant comes back to the last bit.
+    first = corners[:, :1]
+    return first + (corners - first) @ space.face_shape.T

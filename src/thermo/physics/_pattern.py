@@ -37,7 +37,7 @@ class Pattern(eqx.Module):
 
     first: Int[Array | np.ndarray, " edges"]
     second: Int[Array | np.ndarray, " edges"]
-    columns: tuple[Int[Array | np.ndarray, "width rows"], ...]
+    columns: tuple[Int[Array | np.ndarray, "_width _rows"], ...]
     source: Int[Array | np.ndarray, " entries"]
     hit: Int[Array | np.ndarray, " hits"]
     hit_edge: Int[Array | np.ndarray, " hits"]
@@ -130,7 +130,7 @@ def rewrite_surface(
 
 
 def _group_product(
-    values: Float[Array, "width rows *batch"],
+    values: Float[Array, "width rows *ones"],
     columns: Int[Array | np.ndarray, "width rows"],
     vector: Float[Array, "nodes *batch"],
     total: Float[Array, "rows *batch"],

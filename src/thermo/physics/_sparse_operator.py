@@ -87,7 +87,7 @@ def _tridiagonal(operator: SparseOperator) -> Any:
     raise NotImplementedError("a mesh operator is not tridiagonal")
 
 
-def frozen(values: Float[Array, " entries"]) -> Float[Array, " entries"]:
+def frozen(values: Float[Array, "*any"]) -> Float[Array, "*any"]:
     """Padded rows without their derivative: `edges` and `diagonal` carry it."""
     return jax.lax.stop_gradient(values)
 

@@ -11,6 +11,8 @@ from ._progress import Progress
 from ._table import table
 from ._versions import versions
 from ._vtk import write_pvd, write_vtu
+from ._write_inversion import inversion_record, inversion_table, write_inversion
+from ._write_prediction import prediction_table, write_predictions
 
 __all__ = [
     "Progress",
@@ -18,11 +20,16 @@ __all__ = [
     "figure_field",
     "figure_history",
     "figure_residuals",
+    "inversion_record",
+    "inversion_table",
+    "prediction_table",
     "require_writable",
     "table",
     "versions",
+    "write_inversion",
     "write_json",
     "write_npz",
+    "write_predictions",
     "write_pvd",
     "write_vtu",
 ]

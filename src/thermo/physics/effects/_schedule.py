@@ -23,22 +23,20 @@ class Schedule(eqx.Module):
     Source: the scene format, key `heater`.
     """
 
-    until: float
-    rise: float = 0.0
+    until: float | Float[Array, ""]
+    rise: float | Float[Array, ""] = 0.0
 
     def share(self, time: Time) -> Float[Array, ""]:
         """Share of the full power [1] at a time [s]."""
         time = jnp.asarray(time)
+        rise = jnp.asarray(self.rise)
         on = (time >= 0) & (time < self.until)
-        if self.rise == 0.0:
-            return jnp.where(on, 1.0, 0.0)
-        warm = 1 - jnp.exp(-jnp.clip(time, 0.0, self.until) / self.rise)
-        cooling = jnp.exp(-jnp.maximum(time - self.until, 0.0) / self.rise)
-        return jnp.where(time >= 0, warm * cooling, 0.0)
-
-    def switches(self) -> tuple[float, ...]:
-        """Times [s] at which the power or its rate of change jumps."""
-        return (0.0, self.until)
+        # The divisor stays positive where the rise is zero, so that derivatives stay finite.
+        divisor = jnp.where(rise > 0, rise, 1.0)
+        warm = 1 - jnp.exp(-jnp.clip(time, 0.0, self.until) / divisor)
+        cooling = jnp.exp(-jnp.maximum(time - self.until, 0.0) / divisor)
+        slow = jnp.where(time >= 0, warm * cooling, 0.0)
+        return jnp.where(rise > 0, slow, jnp.where(on, 1.0, 0.0))
 
 
 @final

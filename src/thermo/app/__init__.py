@@ -1,0 +1,5 @@
+"""The `thermo` command."""
+
+from thermo.app._command import main
+
+__all__ = ["main"]

@@ -1,0 +1,102 @@
+"""One function a verb: from a configuration to a folder of results."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from thermo import inverse
+from thermo.app._configuration import (
+    build_field,
+    build_meshing,
+    build_optimiser,
+    build_prior,
+    build_stepping,
+    given,
+    names,
+)
+from thermo.observe import read_scene
+from thermo.report import (
+    Progress,
+    inversion_table,
+    prediction_table,
+    require_writable,
+    write_inversion,
+    write_predictions,
+)
+
+Configuration = Mapping[str, Any]
+
+
+def invert(settings: Configuration) -> None:
+    """Fit, and leave `result.json`, `field.npz`, `estimate.npz`, `field.vtu` and figures."""
+    out = Path(settings["out"])
+    arguments = {
+        "choice": build_field(settings["field"]),
+        "optimiser": build_optimiser(settings["optimiser"]),
+        "prior": build_prior(settings["prior"]),
+        "stepping": build_stepping(settings["integrator"]),
+        "meshing": build_meshing(settings["mesh"]),
+    }
+    scene = read_scene(Path(settings["data"]))
+    require_writable(out)
+    print(f"fitting {scene.object}; meshing and compiling come first", file=sys.stderr)
+    with Progress("invert", arguments["optimiser"].max_steps, sys.stderr) as progress:
+        estimate = inverse.invert(
+            scene,
+            runs=names(settings["runs"], "runs"),
+            unknown=names(settings["unknown"], "unknown"),
+            stages=settings["stages"]["kind"],
+            initial=given(settings["initial"]),
+            seed=int(settings["seed"]),
+            model_error=float(settings["model_error"]),
+            checkpoint=out / "checkpoint.npz",
+            on_step=lambda step, most, loss: progress.update(step, loss),
+            **arguments,
+        )
+    record = write_inversion(out, estimate, settings)
+    print(inversion_table(record))
+    print(f"\n{estimate.resolution}\n{out / 'result.json'}, {estimate.seconds:.0f} s")
+
+
+def predict(settings: Configuration) -> None:
+    """Predict, and leave `result.json`, a recording and a ParaView series for each run."""
+    begun = time.monotonic()
+    out = Path(settings["out"])
+    scene = read_scene(Path(settings["data"]))
+    require_writable(out)
+    predictions = inverse.predict(
+        scene,
+        Path(settings["estimate"]),
+        runs=names(settings["runs"], "runs"),
+        tolerance=float(settings["tolerance"]),
+    )
+    seconds = time.monotonic() - begun
+    record = write_predictions(out, "predict", predictions, settings, seconds)
+    print(f"{prediction_table(record)}\n\n{out / 'result.json'}, {seconds:.0f} s")
+
+
+def simulate(settings: Configuration) -> None:
+    """Simulate, and leave the same files as `predict`."""
+    begun = time.monotonic()
+    out = Path(settings["out"])
+    meshing = build_meshing(settings["mesh"])
+    scene = read_scene(Path(settings["data"]))
+    require_writable(out)
+    material, exchange = given(settings["material"]), given(settings["surface_exchange"])
+    density = material.pop("density", scene.material.density)
+    capacity = density * material.pop("heat_capacity", scene.material.heat_capacity)
+    prediction = inverse.simulate(
+        scene,
+        str(settings["run"]),
+        values={**material, **exchange, "volumetric_heat_capacity": capacity},
+        meshing=meshing,
+        tolerance=float(settings["tolerance"]),
+    )
+    seconds = time.monotonic() - begun
+    runs = {str(settings["run"]): prediction}
+    record = write_predictions(out, "simulate", runs, settings, seconds)
+    print(f"{prediction_table(record)}\n\n{out / 'result.json'}, {seconds:.0f} s")

@@ -1,0 +1,59 @@
+"""From recordings to fields, and from fields to predictions."""
+
+from thermo.inverse._body import Meshing
+from thermo.inverse._checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from thermo.inverse._estimate import (
+    Estimate,
+    RecoveredField,
+    RunFit,
+    load_estimate,
+    save_estimate,
+    summary,
+    surface_values,
+    weighted_quantile,
+)
+from thermo.inverse._field_choice import (
+    AbstractFieldChoice,
+    Network,
+    OnControlPoints,
+    Patchwise,
+    Uniform,
+)
+from thermo.inverse._first_order import Adam, LimitedMemoryBfgs
+from thermo.inverse._invert import Prior, Stepping, invert
+from thermo.inverse._least_squares import GaussNewtonKrylov, LevenbergMarquardt
+from thermo.inverse._optimiser import AbstractOptimiser
+from thermo.inverse._predict import Prediction, Scores, predict, score, simulate
+
+__all__ = [
+    "AbstractFieldChoice",
+    "AbstractOptimiser",
+    "Adam",
+    "Checkpoint",
+    "Estimate",
+    "GaussNewtonKrylov",
+    "LevenbergMarquardt",
+    "LimitedMemoryBfgs",
+    "Meshing",
+    "Network",
+    "OnControlPoints",
+    "Patchwise",
+    "Prediction",
+    "Prior",
+    "RecoveredField",
+    "RunFit",
+    "Scores",
+    "Stepping",
+    "Uniform",
+    "invert",
+    "load_checkpoint",
+    "load_estimate",
+    "predict",
+    "save_checkpoint",
+    "save_estimate",
+    "score",
+    "simulate",
+    "summary",
+    "surface_values",
+    "weighted_quantile",
+]

@@ -1,0 +1,169 @@
+"""The object made ready: its mesh, and the values that stand in for what is not known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, final
+
+import equinox as eqx
+import numpy as np
+from jaxtyping import Array, Float
+
+from thermo.errors import InputError
+from thermo.inverse._conditions import Conditions, conditions, make_model, switches
+from thermo.inverse._properties import Stated, properties
+from thermo.mesh import (
+    Mesh,
+    Sizing,
+    Surface,
+    expected_nodes,
+    promote,
+    read_surface,
+    sizing_from_physics,
+    tetrahedralise,
+)
+from thermo.observe import Run, Scene, bind
+from thermo.physics import (
+    ConjugateGradient,
+    Model,
+    ReadOut,
+    TimeGrid,
+    discretise,
+    solve_heat,
+    uniform_steps,
+)
+from thermo.physics.integrators import Sdirk2
+
+# Standing in for a conductivity that nothing is known of: from foam to silver [W/m/K].
+SCAN = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
+SCAN_NODES = 1500
+
+
+@final
+@dataclass(frozen=True)
+class Meshing:
+    """How the body is meshed.
+
+    - `order`: 1 for TET4, 2 for TET10.
+    - `max_nodes`: about the most nodes of the TET10 mesh [1].
+    - `cells_per_depth`: cells over the depth that heat reaches [1].
+    - `cache`: folder of meshes, None for the user's cache.
+    """
+
+    order: Literal[1, 2] = 2
+    max_nodes: int = 15000
+    cells_per_depth: float = 1.0
+    cache: Path | None = None
+
+
+def duration(scene: Scene) -> float:
+    """Time [s] of the scene's longest run."""
+    return max(float(run.recording.time[-1]) for run in scene.runs.values())
+
+
+def make_mesh(scene: Scene, surface: Surface, diffusivity: float, meshing: Meshing) -> Mesh:
+    """Linear mesh [m] graded for a diffusivity [m2/s]."""
+    sizing = sizing_from_physics(
+        surface,
+        diffusivity=diffusivity,
+        duration=duration(scene),
+        cells_per_depth=meshing.cells_per_depth,
+        max_nodes=meshing.max_nodes,
+    )
+    return tetrahedralise(surface, sizing, cache=meshing.cache, where=str(scene.surface_path))
+
+
+def of_order(mesh: Mesh, order: int) -> Mesh:
+    """The linear mesh itself, or promoted to quadratic cells [1]."""
+    return mesh if order == 1 else promote(mesh)
+
+
+def surface_of(scene: Scene) -> Surface:
+    """The scene's checked surface [m]. Raises `InputError` as `read_surface` does."""
+    return read_surface(scene.surface_path, unit=scene.unit)  # type: ignore[arg-type]
+
+
+def state(scene: Scene, initial: dict[str, float], conductivity: float) -> Stated:
+    """Uniform values of a scene [SI], with `initial` and a conductivity [W/m/K] where it is silent."""
+    capacity = scene.material.density * scene.material.heat_capacity
+    given = Stated(
+        conductivity=scene.material.conductivity or conductivity,
+        capacity=capacity,
+        convection=10.0 if scene.convection is None else scene.convection,
+        emissivity=0.8 if scene.emissivity is None else scene.emissivity,
+    )
+    capacity = initial.get("volumetric_heat_capacity", capacity)
+    conductivity = initial.get("conductivity", given.conductivity)
+    if "diffusivity" in initial:
+        conductivity = initial["diffusivity"] * capacity
+    convection = initial.get("convection", given.convection)
+    if "scaled_convection" in initial:
+        convection = initial["scaled_convection"] * capacity
+    emissivity = initial.get("emissivity", given.emissivity)
+    if "scaled_emissivity" in initial:
+        emissivity = initial["scaled_emissivity"] * capacity
+    return Stated(conductivity, capacity, convection, emissivity)
+
+
+def check_initial(initial: dict[str, float]) -> None:
+    """Refuse initial values [SI] that are not positive numbers. Raises `InputError`."""
+    for name, value in initial.items():
+        if not (np.isfinite(value) and value > 0):
+            raise InputError(
+                "an initial value is not positive",
+                where=f"initial.{name}",
+                value=value,
+                limit="a finite number above 0",
+                remedy="give a rough guess in SI units",
+            )
+
+
+def scan_conductivity(scene: Scene, surface: Surface, runs: list[Run], meshing: Meshing) -> float:
+    """Best of a few conductivities [W/m/K] on a coarse mesh, for a scene that states none.
+
+    One value a factor three apart from foam to silver; the sum over runs of the squared misfit at
+    some twenty frames decides. Good enough to choose the mesh by and to start from.
+    """
+    coarse = surface.diagonal() / 12
+    sizing = Sizing(coarse, coarse, coarse)
+    shrink = (SCAN_NODES * 8 / max(expected_nodes(surface, sizing), 1)) ** (-1 / 3)
+    edge = coarse * max(shrink, 1.0)
+    mesh = tetrahedralise(surface, Sizing(edge, edge, edge), cache=meshing.cache)
+    space = discretise(mesh)
+    misfit = np.zeros(len(SCAN))
+    for run in runs:
+        frames = run.recording.time[:: max(len(run.recording.time) // 20, 1)]
+        where = f"runs.{run.name}.recording"
+        readout, _ = bind(run.recording, space.mesh, where=where)
+        grid = uniform_steps(frames, float(frames[-1]) / 40, switches(run))
+        under = conditions(run, space)
+        picked = np.searchsorted(run.recording.time, frames - 1e-9)
+        data, valid = run.recording.temperature[picked], run.recording.valid[picked]
+        for number, value in enumerate(SCAN):
+            stated = state(scene, {"conductivity": value}, value)
+            body = properties(stated, {}, len(space.mesh.cells), len(space.mesh.faces))
+            solution = solve_heat_once(make_model(space, body, under), under, grid, readout)
+            misfit[number] += float((np.where(valid, solution - data, 0.0) ** 2).sum())
+    return float(SCAN[int(np.argmin(misfit))])
+
+
+def solve_heat_once(
+    model: Model, under: Conditions, grid: TimeGrid, readout: ReadOut
+) -> Float[np.ndarray, "frames samples"]:
+    """Simulated temperatures [K] at the samples, compiled once for each shape of the problem."""
+    return np.asarray(_solve(model, under, grid, readout))
+
+
+@eqx.filter_jit
+def _solve(
+    model: Model, under: Conditions, grid: TimeGrid, readout: ReadOut
+) -> Float[Array, "frames samples"]:
+    return solve_heat(
+        model,
+        under.start(len(model.space.mesh.nodes)),
+        grid,
+        integrator=Sdirk2(),
+        readout=readout,
+        solver=ConjugateGradient(rtol=1e-5),
+    ).temperature

@@ -1,0 +1,113 @@
+"""A run made ready for a fit: conditions, steps, read-out, data and weights; several stacked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import final
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from thermo.inverse._conditions import Conditions, conditions
+from thermo.observe import Run, bind, estimate_noise
+from thermo.physics import Discretisation, ReadOut, TimeGrid
+
+
+@final
+class Case(eqx.Module):
+    """One run, or several of the same shape stacked along a leading axis.
+
+    - `grid`: steps and frames [s]; `readout`: where the samples are.
+    - `data`: (frames, samples) [K]; `weight`: 1 / standard deviation, zero where there is no
+      valid value, (frames, samples) [1/K].
+    """
+
+    under: Conditions
+    grid: TimeGrid
+    readout: ReadOut
+    data: Float[Array, "*runs frames samples"]
+    weight: Float[Array, "*runs frames samples"]
+
+
+def _offset(run: Run) -> np.ndarray | float:
+    """Constant error [K] of each sample, from its quiet frames, where there are enough of them."""
+    quiet = run.recording.quiet
+    if quiet is None or len(quiet) < 3:
+        return 0.0
+    error = np.nanmean(quiet, axis=0) - run.initial_temperature
+    return np.where(np.isfinite(error), error, 0.0)
+
+
+def make_case(
+    run: Run, space: Discretisation, grid: TimeGrid, *, model_error: float, where: str
+) -> Case:
+    """Bind a run to a mesh and weigh its data.
+
+    The standard deviation of a reading is sqrt(white^2 (1 + r) / (1 - r) + model_error^2) with
+    the white level and the frame-to-frame correlation r of the recording's noise. Each sample's
+    constant error, known from its quiet frames, is taken off.
+
+    Arguments:
+
+    - `grid`: its frames must be frames of the recording [s].
+    - `model_error`: what the simulation itself may be wrong by [K].
+
+    Raises `InputError` where samples lie away from the surface.
+    """
+    recording = run.recording
+    readout, _ = bind(recording, space.mesh, where=where)
+    frames = np.searchsorted(recording.time, np.asarray(grid.frame_time) - 1e-9)
+    noise = estimate_noise(recording)
+    r = min(max(noise.correlation, 0.0), 0.95)
+    deviation = float(np.hypot(noise.white * np.sqrt((1 + r) / (1 - r)), model_error))
+    data = recording.temperature[frames] - _offset(run)
+    weight = np.where(recording.valid[frames], 1 / deviation, 0.0)
+    return Case(conditions(run, space), grid, readout, jnp.asarray(data), jnp.asarray(weight))
+
+
+def _pad(array: np.ndarray | Array, length: int, axis: int, *, edge: bool) -> np.ndarray:
+    array = np.asarray(array)
+    width = [(0, 0)] * array.ndim
+    width[axis] = (0, length - array.shape[axis])
+    return np.pad(array, width, mode="edge" if edge else "constant")
+
+
+def _pad_case(case: Case, steps: int, frames: int, samples: int) -> Case:
+    """Lengthen a case by steps of no duration and by data of no weight."""
+    end = float(np.asarray(case.grid.start)[-1] + np.asarray(case.grid.size)[-1])
+    start = np.append(np.asarray(case.grid.start), np.full(steps - len(case.grid.start), end))
+    grid = TimeGrid(
+        start=start,
+        size=_pad(case.grid.size, steps, 0, edge=False),
+        frame_step=_pad(case.grid.frame_step, frames, 0, edge=True),
+        frame_time=_pad(case.grid.frame_time, frames, 0, edge=True),
+    )
+    readout = ReadOut(
+        _pad(case.readout.nodes, samples, 0, edge=True),
+        _pad(case.readout.weights, samples, 0, edge=True),
+    )
+    data = _pad(_pad(case.data, frames, 0, edge=True), samples, 1, edge=True)
+    weight = _pad(_pad(case.weight, frames, 0, edge=False), samples, 1, edge=False)
+    return Case(case.under, grid, readout, jnp.asarray(data), jnp.asarray(weight))
+
+
+def stack_cases(cases: Sequence[Case]) -> tuple[Case, ...]:
+    """Stack runs that have the same effects, so that one program serves all of them [1]."""
+    groups: dict[str, list[Case]] = {}
+    for case in cases:
+        shape = str(jax.tree.structure(case.under)) + str(
+            [np.shape(leaf) for leaf in jax.tree.leaves(case.under)]
+        )
+        groups.setdefault(shape, []).append(case)
+    stacked = []
+    for group in groups.values():
+        steps = max(len(case.grid.start) for case in group)
+        frames, samples = (max(case.data.shape[axis] for case in group) for axis in (0, 1))
+        padded = [_pad_case(case, steps, frames, samples) for case in group]
+        stacked.append(
+            jax.tree.map(lambda *leaves: jnp.stack([jnp.asarray(a) for a in leaves]), *padded)
+        )
+    return tuple(stacked)

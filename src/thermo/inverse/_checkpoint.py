@@ -1,0 +1,106 @@
+"""What an interrupted fit leaves, and how it goes on."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, final
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from thermo.errors import InputError
+from thermo.inverse._objective import Parameters
+
+
+@final
+@dataclass(frozen=True)
+class Checkpoint:
+    """A fit after some steps.
+
+    - `key`: what was being fitted; another fit never takes it up.
+    - `stage`: number of the stage [1]; `parameters`, `best` [1]; `memory`: of the optimiser.
+    - `history`: loss after each step of each stage [1]; `best_loss` [1].
+    """
+
+    key: str
+    stage: int
+    parameters: Parameters
+    best: Parameters
+    best_loss: float
+    history: list[list[float]]
+    memory: dict[str, Any] = field(default_factory=dict)
+
+
+def save_checkpoint(path: Path, state: Checkpoint) -> None:
+    """Write a checkpoint so that a reader finds the old one or the new one, never a part."""
+    arrays: dict[str, np.ndarray] = {
+        "key": np.asarray(state.key),
+        "stage": np.asarray(state.stage),
+        "best_loss": np.asarray(state.best_loss),
+        "lengths": np.asarray([len(losses) for losses in state.history]),
+        "losses": np.asarray([loss for losses in state.history for loss in losses]),
+    }
+    for label, tree in (("now", state.parameters), ("best", state.best)):
+        for number, leaf in enumerate(jax.tree.leaves(tree)):
+            arrays[f"{label}_{number:03d}"] = np.asarray(leaf)
+    arrays.update({f"memory_{name}": value for name, value in state.memory.items()})
+    handle, name = tempfile.mkstemp(dir=path.parent, suffix=".npz")
+    os.close(handle)
+    try:
+        np.savez(name, **arrays)
+        os.replace(name, path)
+    finally:
+        Path(name).unlink(missing_ok=True)
+
+
+def load_checkpoint(path: Path, key: str, like: Parameters) -> Checkpoint | None:
+    """Read a checkpoint of the same fit, or None where there is none.
+
+    Arguments: `key`: what is being fitted; `like`: parameters [1] of the same structure.
+
+    Raises `InputError` where the file belongs to another fit or cannot be read.
+    """
+    if not path.exists():
+        return None
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            arrays = dict(stored)
+        if str(arrays["key"]) != key:
+            raise InputError(
+                "this checkpoint belongs to another fit",
+                where=str(path),
+                value=str(arrays["key"]),
+                limit=key,
+                remedy="give another `out` folder, or delete the file to start anew",
+            )
+        leaves, shape = jax.tree.flatten(like)
+        trees = [
+            jax.tree.unflatten(
+                shape, [jnp.asarray(arrays[f"{label}_{n:03d}"]) for n in range(len(leaves))]
+            )
+            for label in ("now", "best")
+        ]
+        ends = np.cumsum(arrays["lengths"])[:-1]
+        history = [list(map(float, part)) for part in np.split(arrays["losses"], ends)]
+    except (OSError, KeyError, ValueError) as fault:
+        if isinstance(fault, InputError):
+            raise
+        raise InputError(
+            "this checkpoint cannot be read",
+            where=str(path),
+            value=f"{type(fault).__name__}: {fault}",
+            limit="a file that an interrupted fit left",
+            remedy="delete it to start anew",
+        ) from fault
+    memory = {
+        name.removeprefix("memory_"): value
+        for name, value in arrays.items()
+        if name.startswith("memory_")
+    }
+    return Checkpoint(
+        key, int(arrays["stage"]), trees[0], trees[1], float(arrays["best_loss"]), history, memory
+    )

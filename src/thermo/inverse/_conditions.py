@@ -1,0 +1,139 @@
+"""The conditions of a run on a mesh, and the model that they make with a body's properties."""
+
+from __future__ import annotations
+
+from typing import final
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from thermo.errors import InputError
+from thermo.inverse._properties import Properties
+from thermo.observe import Run
+from thermo.physics import Discretisation, Model
+from thermo.physics.effects import (
+    Convection,
+    Heating,
+    History,
+    LaggedRadiation,
+    PrescribedTemperature,
+    Radiation,
+    Schedule,
+    spot_profile,
+)
+
+
+@final
+class Conditions(eqx.Module):
+    """Under what a run was taken; every run has the same structure, so that runs can be stacked.
+
+    - `initial`, `ambient`, `surroundings`: [K].
+    - `power` [W], zero without a lamp; `profile` (faces, points) [1/m2]; `schedule`.
+    - `prescribed`: nodes with given temperatures, or None.
+    """
+
+    initial: Float[Array, ""]
+    ambient: Float[Array, ""]
+    surroundings: Float[Array, ""]
+    power: Float[Array, ""]
+    profile: Float[Array, "faces points"]
+    schedule: Schedule
+    prescribed: PrescribedTemperature | None
+
+    def start(self, count: int) -> Float[Array, " nodes"]:
+        """Temperatures [K] of `count` nodes at t = 0."""
+        return jnp.full(count, self.initial)
+
+
+def switches(run: Run) -> tuple[float, ...]:
+    """Times [s] at which a run's sources jump."""
+    if run.heater is None:
+        return ()
+    return (float(run.heater.until),)
+
+
+def _prescribe(run: Run, space: Discretisation) -> PrescribedTemperature | None:
+    if not run.prescribed:
+        return None
+    patch = np.full(len(space.mesh.nodes), -1, np.int32)
+    surface = np.unique(space.mesh.faces)
+    # Nodes on the box's sides count as inside despite rounding.
+    slack = 1e-6 * float(np.linalg.norm(np.ptp(space.mesh.nodes, axis=0)))
+    for number, item in enumerate(run.prescribed):
+        place = space.mesh.nodes[surface]
+        inside = ((place >= item.box_min - slack) & (place <= item.box_max + slack)).all(1)
+        if not inside.any():
+            raise InputError(
+                "no surface node lies in the box of a prescribed temperature",
+                where=f"runs.{run.name}.prescribed[{number}].box",
+                value=f"{item.box_min.tolist()} to {item.box_max.tolist()} m",
+                limit="a box that holds a part of the surface",
+                remedy="check the box's corners, in metres, against the surface",
+            )
+        patch[surface[inside]] = number
+    histories = tuple(
+        History(jnp.asarray(item.time), jnp.asarray(item.temperature)) for item in run.prescribed
+    )
+    return PrescribedTemperature(jnp.asarray(patch), histories)
+
+
+def conditions(run: Run, space: Discretisation) -> Conditions:
+    """Put a run's conditions on a mesh.
+
+    Arguments:
+
+    - `run`: temperatures [K], lamp [W], prescribed histories [K].
+    - `space`: the discretised body.
+
+    Raises `InputError` where the lamp or a prescribed box misses the surface.
+    """
+    heater = run.heater
+    profile = np.zeros(np.shape(space.face_weight))
+    power, schedule = 0.0, Schedule(jnp.asarray(0.0), jnp.asarray(0.0))
+    if heater is not None:
+        try:
+            profile = spot_profile(
+                space, centre=heater.centre, direction=heater.direction, radius=heater.radius
+            )
+        except ValueError as miss:
+            raise InputError(
+                "the lamp does not reach the object",
+                where=f"runs.{run.name}.heater",
+                value=f"centre {heater.centre.tolist()} m, direction {heater.direction.tolist()}",
+                limit="an axis whose light meets the surface",
+                remedy="check centre and direction, in metres and in the surface's axes",
+            ) from miss
+        power = heater.power
+        schedule = Schedule(jnp.asarray(float(heater.until)), jnp.asarray(float(heater.rise)))
+    return Conditions(
+        initial=jnp.asarray(float(run.initial_temperature)),
+        ambient=jnp.asarray(float(run.ambient_temperature)),
+        surroundings=jnp.asarray(float(run.radiation_temperature)),
+        power=jnp.asarray(float(power)),
+        profile=jnp.asarray(profile),
+        schedule=schedule,
+        prescribed=_prescribe(run, space),
+    )
+
+
+def make_model(
+    space: Discretisation, body: Properties, under: Conditions, *, lagged: bool = False
+) -> Model:
+    """The heat equation of a body under a run's conditions.
+
+    Arguments:
+
+    - `body`: properties [SI]; `under`: the run's conditions [K, W].
+    - `lagged`: the paper's lagged radiation in place of the full fourth power.
+    """
+    kind = LaggedRadiation if lagged else Radiation
+    surface = (
+        Convection(body.convection, under.ambient),
+        kind(body.emissivity, under.surroundings),
+        Heating(under.power, under.profile, under.schedule),
+    )
+    return Model(
+        space, body.conductivity, body.capacity, surface=surface, prescribed=under.prescribed
+    )

@@ -1,0 +1,159 @@
+"""What a fit recovers, and the file that carries it to a prediction."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+import numpy as np
+from jaxtyping import Float
+
+from thermo.errors import InputError
+from thermo.fields import QUANTITIES
+from thermo.inverse._properties import Stated
+from thermo.mesh import Mesh, face_areas, mesh_from_cells
+
+FORMAT = "thermofield-estimate/1"
+
+
+@final
+@dataclass(frozen=True)
+class RecoveredField:
+    """A recovered quantity [its SI unit].
+
+    - `name`, `unit`; `cells` (cells,), `faces` (faces,): its values.
+    """
+
+    name: str
+    unit: str
+    cells: Float[np.ndarray, " cells"]
+    faces: Float[np.ndarray, " faces"]
+
+
+@final
+@dataclass(frozen=True)
+class RunFit:
+    """How one run was fitted.
+
+    - `rmse` [K]; `frames`, `samples`: numbers used [1].
+    - `time` (frames,) [s]; `points` (samples, 3) [m].
+    - `measured`, `simulated` (frames, samples) [K]; a value that was not valid is NaN.
+    """
+
+    rmse: float
+    time: Float[np.ndarray, " frames"]
+    points: Float[np.ndarray, "samples 3"]
+    measured: Float[np.ndarray, "frames samples"]
+    simulated: Float[np.ndarray, "frames samples"]
+
+
+@final
+@dataclass(frozen=True)
+class Estimate:
+    """The result of a fit.
+
+    - `mesh`: linear mesh [m] that the fields live on; `order` of the cells that were fitted [1].
+    - `stated`: uniform values of everything else [SI]; `fields`: what was recovered, by name.
+    - `runs`: how each run was fitted; `history`: loss after each step of each stage [1].
+    - `success`; `seconds` [s]; `resolution`: a sentence on how well the skin is resolved.
+    """
+
+    mesh: Mesh
+    order: int
+    stated: Stated
+    fields: dict[str, RecoveredField]
+    runs: dict[str, RunFit]
+    history: list[list[float]]
+    success: bool
+    seconds: float
+    resolution: str
+
+
+def weighted_quantile(
+    values: Float[np.ndarray, " faces"], areas: Float[np.ndarray, " faces"], share: float
+) -> float:
+    """Value, in the unit of `values`, below which `share` [1] of the area [m2] lies."""
+    order = np.argsort(values)
+    total = np.cumsum(areas[order]) - 0.5 * areas[order]
+    return float(np.interp(share * areas.sum(), total, values[order]))
+
+
+def summary(mesh: Mesh, field: RecoveredField) -> dict[str, float | str]:
+    """Unit, median, 5 % and 95 % quantile over the surface, weighted by area [SI]."""
+    areas = face_areas(mesh)
+    return {
+        "unit": field.unit,
+        "median": weighted_quantile(field.faces, areas, 0.5),
+        "p05": weighted_quantile(field.faces, areas, 0.05),
+        "p95": weighted_quantile(field.faces, areas, 0.95),
+    }
+
+
+def surface_values(
+    mesh: Mesh, field: RecoveredField
+) -> tuple[Float[np.ndarray, "vertices 3"], Float[np.ndarray, " vertices"]]:
+    """Surface vertices [m] and the field there, the area-weighted mean of the faces around [SI]."""
+    nodes, faces = np.unique(mesh.faces[:, :3], return_inverse=True)
+    faces = faces.reshape(-1, 3).ravel()
+    areas = np.repeat(face_areas(mesh), 3)
+    total = np.bincount(faces, areas * np.repeat(field.faces, 3))
+    return mesh.nodes[nodes], total / np.bincount(faces, areas)
+
+
+def save_estimate(path: Path, estimate: Estimate) -> None:
+    """Write mesh [m] and fields [SI] so that `load_estimate` can predict from them."""
+    stated = estimate.stated
+    arrays = {
+        "format": np.asarray(FORMAT),
+        "nodes": estimate.mesh.nodes,
+        "cells": estimate.mesh.cells,
+        "faces": estimate.mesh.faces,
+        "order": np.asarray(estimate.order),
+        "stated": np.array(
+            [stated.conductivity, stated.capacity, stated.convection, stated.emissivity]
+        ),
+    }
+    for name, field in estimate.fields.items():
+        arrays[f"cells_{name}"], arrays[f"faces_{name}"] = field.cells, field.faces
+    handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".npz")
+    os.close(handle)
+    try:
+        np.savez_compressed(temporary, **arrays)
+        os.replace(temporary, path)
+    finally:
+        Path(temporary).unlink(missing_ok=True)
+
+
+def load_estimate(path: Path) -> tuple[Mesh, int, Stated, dict[str, RecoveredField]]:
+    """Read the mesh [m], its order [1], stated values and fields [SI] of an estimate.
+
+    Raises `InputError` where the file is missing, damaged or of another format.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            arrays = dict(stored)
+        if str(arrays["format"]) != FORMAT:
+            raise KeyError(str(arrays["format"]))
+        mesh = mesh_from_cells(arrays["nodes"], arrays["cells"], where=str(path))
+        if not np.array_equal(mesh.faces, arrays["faces"]):
+            raise ValueError("the faces are in another order")
+        fields = {
+            name: RecoveredField(
+                name, quantity.unit, arrays[f"cells_{name}"], arrays[f"faces_{name}"]
+            )
+            for name, quantity in QUANTITIES.items()
+            if f"cells_{name}" in arrays
+        }
+        stated = Stated(*(float(value) for value in arrays["stated"]))
+        return mesh, int(arrays["order"]), stated, fields
+    except (OSError, KeyError, ValueError) as fault:
+        raise InputError(
+            "this estimate cannot be read",
+            where=str(path),
+            value=f"{type(fault).__name__}: {fault}",
+            limit=f"a file of format {FORMAT} that `thermo invert` wrote",
+            remedy="give the `out` folder of a finished `thermo invert` as `estimate`",
+        ) from fault

@@ -1,0 +1,151 @@
+"""What a fit makes small: whitened residuals, smoothness, priors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import final
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jax.flatten_util import ravel_pytree
+from jaxtyping import Array, Float, Int, PyTree
+
+from thermo.fields import AbstractField
+from thermo.inverse._case import Case
+from thermo.inverse._conditions import make_model
+from thermo.inverse._properties import Stated, properties
+from thermo.physics import ConjugateGradient, Discretisation, solve_heat
+from thermo.physics.integrators import AbstractIntegrator
+
+Parameters = dict[str, PyTree[Float[Array, "..."]]]
+
+
+@final
+class FieldPrior(eqx.Module):
+    """What is believed of a field before the data.
+
+    - `pairs`: neighbouring controls, (pairs, 2); `step`: standard deviation of the difference of
+      log(phi) between neighbours [1].
+    - `centre`: a value in the field's unit, and `spread` the standard deviation of log(phi) about
+      it [1]; infinity means that nothing is believed.
+    - `decay`: weight of the squared parameters [1].
+
+    Source: paper, appendix B.7 (checklist E1, E2), on a logarithmic scale so that the weight does
+    not depend on the unit.
+    """
+
+    pairs: Int[Array, "pairs 2"]
+    step: Float[Array, ""]
+    centre: Float[Array, ""]
+    spread: Float[Array, ""]
+    decay: Float[Array, ""]
+
+
+def prior_residual(prior: FieldPrior, field: AbstractField) -> Float[Array, " terms"]:
+    """Dimensionless residuals [1] of a field's smoothness, prior and parameter size."""
+    log = jnp.log(field.control_values())
+    smooth = (log[prior.pairs[:, 0]] - log[prior.pairs[:, 1]]) / prior.step
+    about = (jnp.mean(log, keepdims=True) - jnp.log(prior.centre)) / prior.spread
+    flat, _ = ravel_pytree(field.parameters())
+    return jnp.concatenate([smooth, about, jnp.sqrt(prior.decay) * flat])
+
+
+@final
+class Objective(eqx.Module):
+    """The whitened residual of several runs over one set of fields.
+
+    - `fields`, `priors`: by quantity name; `stated`: the rest of the body's properties [SI].
+    - `cases`: runs, stacked in groups of one shape.
+    - `integrator`, `solver`: of the simulation; `lagged`: the paper's radiation.
+
+    Source: paper, appendix B.7 (checklist D4, E1, E2, E5).
+    """
+
+    space: Discretisation
+    stated: Stated
+    fields: dict[str, AbstractField]
+    priors: dict[str, FieldPrior]
+    cases: tuple[Case, ...]
+    integrator: AbstractIntegrator
+    solver: ConjugateGradient
+    lagged: bool = eqx.field(static=True, default=False)
+
+
+def start(objective: Objective) -> Parameters:
+    """Parameters [1] of the objective's fields as they stand."""
+    return {name: field.parameters() for name, field in objective.fields.items()}
+
+
+def with_fields(objective: Objective, parameters: Mapping[str, PyTree]) -> dict[str, AbstractField]:
+    """The objective's fields with other parameters [1]."""
+    return {
+        name: field.with_parameters(parameters[name]) for name, field in objective.fields.items()
+    }
+
+
+def case_temperatures(
+    objective: Objective, fields: dict[str, AbstractField], case: Case
+) -> Float[Array, "frames samples"]:
+    """Simulated temperatures [K] of one run at its samples and frames."""
+    space = objective.space
+    body = properties(objective.stated, fields, len(space.mesh.cells), len(space.mesh.faces))
+    model = make_model(space, body, case.under, lagged=objective.lagged)
+    initial = case.under.start(len(space.mesh.nodes))
+    return solve_heat(
+        model,
+        initial,
+        case.grid,
+        integrator=objective.integrator,
+        readout=case.readout,
+        solver=objective.solver,
+    ).temperature
+
+
+def data_residual(
+    objective: Objective, parameters: Parameters, case: Case
+) -> Float[Array, " values"]:
+    """Whitened residual [1] of one run."""
+    fields = with_fields(objective, parameters)
+    return ((case_temperatures(objective, fields, case) - case.data) * case.weight).ravel()
+
+
+def penalty(objective: Objective, parameters: Parameters) -> Float[Array, " terms"]:
+    """Whitened residual [1] of all priors."""
+    fields = with_fields(objective, parameters)
+    terms = [prior_residual(objective.priors[name], field) for name, field in fields.items()]
+    return jnp.concatenate(terms)
+
+
+def residual(objective: Objective, parameters: Parameters) -> Float[Array, " all"]:
+    """Whitened residual [1] of all runs, then of all priors."""
+    parts = []
+    for case in objective.cases:
+        # One compiled program runs over the group: runs differ in numbers only.
+        each = jax.lax.map(lambda one: data_residual(objective, parameters, one), case)
+        parts.append(each.ravel())
+    return jnp.concatenate([*parts, penalty(objective, parameters)])
+
+
+def jacobian(
+    objective: Objective, parameters: Parameters
+) -> tuple[Float[Array, " all"], Float[Array, "all unknowns"]]:
+    """Residual [1] and its dense Jacobian [1]; all directions share one pass through each run."""
+    flat, unravel = ravel_pytree(parameters)
+    basis = jnp.eye(len(flat))
+
+    def push(function):  # noqa: ANN001, ANN202
+        value, tangents = jax.vmap(
+            lambda way: jax.jvp(function, (flat,), (way,)), out_axes=(None, 1)
+        )(basis)
+        return value, tangents
+
+    values, tangents = [], []
+    for case in objective.cases:
+        value, tangent = jax.lax.map(
+            lambda one: push(lambda point: data_residual(objective, unravel(point), one)), case
+        )
+        values.append(value.ravel())
+        tangents.append(tangent.reshape(-1, len(flat)))
+    value, tangent = push(lambda point: penalty(objective, unravel(point)))
+    return jnp.concatenate([*values, value]), jnp.concatenate([*tangents, tangent])

@@ -1,0 +1,64 @@
+"""Which runs and unknowns a verb works on."""
+
+from __future__ import annotations
+
+from thermo.errors import InputError
+from thermo.fields import QUANTITIES
+from thermo.observe import Run, Scene
+
+
+def select_runs(scene: Scene, names: tuple[str, ...] | None, *, held_out: bool) -> list[Run]:
+    """The named runs, or all that are held out or not [1].
+
+    Raises `InputError` for a name that the scene does not have, and where nothing is left.
+    """
+    known = ", ".join(scene.runs)
+    if names is None:
+        picked = [run for run in scene.runs.values() if run.held_out == held_out]
+        names = tuple(run.name for run in picked)
+    unknown = [name for name in names if name not in scene.runs]
+    if unknown or not names:
+        raise InputError(
+            "unknown run" if unknown else "no run is left to work on",
+            where=f"{scene.folder}: runs",
+            value=", ".join(unknown) or "none",
+            limit=known,
+            remedy="name runs of the scene, as runs=[a,b]",
+        )
+    return [scene.runs[name] for name in dict.fromkeys(names)]
+
+
+def select_fit_runs(scene: Scene, names: tuple[str, ...] | None) -> list[Run]:
+    """Runs to fit [1]: as `select_runs`, and never a held-out one.
+
+    Raises `InputError` for an unknown or a held-out run.
+    """
+    runs = select_runs(scene, names, held_out=False)
+    for run in runs:
+        if run.held_out:
+            raise InputError(
+                "this run is held out and must not be fitted",
+                where=f"{scene.folder}: runs.{run.name}",
+                value="held_out: true",
+                limit="runs that are not held out",
+                remedy="predict it, or set held_out to false in scene.json",
+            )
+    return runs
+
+
+def select_unknowns(scene: Scene, names: tuple[str, ...] | None) -> tuple[str, ...]:
+    """The named unknowns, or the scene's own [1].
+
+    Raises `InputError` for a name that is no quantity, and where there is none.
+    """
+    names = scene.unknown if names is None else names
+    wrong = [name for name in names if name not in QUANTITIES]
+    if wrong or not names:
+        raise InputError(
+            "this quantity cannot be fitted" if wrong else "nothing is to be found",
+            where="unknown",
+            value=", ".join(wrong) or "an empty list",
+            limit=", ".join(QUANTITIES),
+            remedy="give unknown=[conductivity], for example",
+        )
+    return tuple(dict.fromkeys(names))

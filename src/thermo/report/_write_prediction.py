@@ -1,0 +1,94 @@
+"""Everything that a prediction or a simulation leaves in its folder."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from thermo.inverse import Prediction
+
+from ._figure_curves import figure_curves
+from ._figure_residuals import figure_residuals
+from ._json import write_json
+from ._npz import write_npz
+from ._table import table
+from ._versions import versions
+from ._vtk import write_pvd, write_vtu
+from ._write_inversion import rms_of
+
+
+def _write_run(folder: Path, name: str, prediction: Prediction) -> None:
+    write_npz(
+        folder / f"{name}.npz",
+        points=prediction.points,
+        time=prediction.time,
+        temperature=prediction.temperature,
+    )
+    mesh = prediction.mesh
+    names = []
+    (folder / name).mkdir(exist_ok=True)
+    for number, temperature in enumerate(prediction.nodal):
+        names.append(f"{name}/{number:04d}.vtu")
+        point_data = {"temperature": temperature}
+        write_vtu(folder / names[-1], mesh.nodes, mesh.cells, point_data=point_data)
+    write_pvd(folder / f"{name}.pvd", prediction.nodal_time, names)
+    figure_curves(
+        folder / f"curves_{name}.png",
+        prediction.time,
+        prediction.measured,
+        prediction.temperature,
+        f"Prediction of {name}",
+    )
+    figure_residuals(
+        folder / f"residual_{name}.png",
+        prediction.points,
+        mesh.nodes,
+        mesh.faces,
+        rms_of(prediction.temperature, prediction.measured),
+        f"Residual of {name}",
+    )
+
+
+def write_predictions(
+    folder: Path,
+    verb: str,
+    predictions: Mapping[str, Prediction],
+    configuration: Mapping[str, Any],
+    seconds: float,
+) -> dict[str, Any]:
+    """Write predictions to a folder, `result.json` last, and return that record.
+
+    Leaves for each run `RUN.npz` (points [m], time [s], temperature [K] at the recording's samples
+    and frames), `RUN.pvd` with some moments of the whole body for ParaView, and figures.
+
+    Arguments: `seconds` that the work took [s].
+    """
+    for name, prediction in predictions.items():
+        _write_run(folder, name, prediction)
+    record = {
+        "format": "thermofield-result/1",
+        "verb": verb,
+        "scores": {
+            name: {kind: asdict(value) for kind, value in prediction.scores.items()}
+            for name, prediction in predictions.items()
+        },
+        "scores_unit": "K",
+        "seconds": seconds,
+        "success": True,
+        "versions": versions(),
+        "configuration": configuration,
+    }
+    write_json(folder / "result.json", record)
+    return record
+
+
+def prediction_table(record: Mapping[str, Any]) -> str:
+    """A short table of the scores, for a terminal."""
+    rows = [
+        [run, kind, *(f"{value[key]:.4g}" for key in ("mae", "rmse", "max"))]
+        for run, kinds in record["scores"].items()
+        for kind, value in kinds.items()
+    ]
+    return table(rows, ["run", "field", "mae [K]", "rmse [K]", "max [K]"])

@@ -1,0 +1,213 @@
+"""Derivatives of a whole run, forward and reverse, by every input that can be unknown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from thermo.mesh import box_mesh, promote
+from thermo.physics import (
+    AbstractAdjoint,
+    ConjugateGradient,
+    Discretisation,
+    Model,
+    RecomputeSegments,
+    StoreSteps,
+    discretise,
+    solve_heat,
+    uniform_steps,
+)
+from thermo.physics.effects import (
+    Contact,
+    Convection,
+    Heating,
+    History,
+    LaggedRadiation,
+    PolynomialLaw,
+    PrescribedFlux,
+    PrescribedTemperature,
+    Radiation,
+    Schedule,
+    VolumetricSource,
+    spot_profile,
+)
+from thermo.physics.integrators import AbstractIntegrator, BackwardEuler, Sdirk2
+
+Inputs = dict[str, Any]
+SOLVER = ConjugateGradient(rtol=1e-14)
+INTEGRATORS = {"backward_euler": BackwardEuler(iterations=2), "sdirk2": Sdirk2()}
+ORDERS = {BackwardEuler: 2, Sdirk2: 1}
+NAMES = (
+    "conductivity capacity convection ambient emissivity lagged_emissivity surroundings power "
+    "contact flux source prescribed conductivity_law capacity_law initial"
+).split()
+SHARES = 0.5 ** np.arange(2, 7)
+
+
+@cache
+def space(order: int) -> Discretisation:
+    if order == 2:
+        return discretise(promote(box_mesh((0.02, 0.02, 0.01), (1, 1, 1))))
+    return discretise(box_mesh((0.02, 0.02, 0.01), (2, 2, 1)))
+
+
+@cache
+def inputs(order: int) -> Inputs:
+    mesh = space(order).mesh
+    make = np.random.default_rng(0)
+    cells, faces, nodes = len(mesh.cells), len(mesh.faces), len(mesh.nodes)
+    root = make.normal(size=(cells, 3, 3))
+    values = {
+        "conductivity": root @ np.swapaxes(root, 1, 2) / 3 + np.eye(3),
+        "capacity": make.uniform(1e6, 2e6, cells),
+        "convection": make.uniform(5, 30, faces),
+        "ambient": np.array(285.0),
+        "emissivity": make.uniform(0.3, 0.9, faces),
+        "lagged_emissivity": make.uniform(0.3, 0.9, faces),
+        "surroundings": np.array(280.0),
+        "power": np.array(3.0),
+        "contact": make.uniform(20, 60, faces),
+        "flux": make.uniform(1e3, 4e3, faces),
+        "source": make.uniform(1e5, 5e5, cells),
+        "prescribed": make.uniform(300, 320, 4),
+        "conductivity_law": np.array([1.0, 4e-3]),
+        "capacity_law": np.array([1.0, 2e-3, 1e-5]),
+        "initial": make.uniform(295, 305, nodes),
+    }
+    return {name: jnp.asarray(value) for name, value in values.items()}
+
+
+def temperatures(
+    given: Inputs, integrator: AbstractIntegrator, adjoint: AbstractAdjoint
+) -> jax.Array:
+    """Frames of a run in which every kind of effect takes part."""
+    body = space(ORDERS[type(integrator)])
+    lamp = spot_profile(
+        body, centre=np.array([0.01, 0.01, 0.01]), direction=np.array([0, 0, -1.0]), radius=0.01
+    )
+    held = np.where(body.mesh.nodes[:, 0] < 1e-9, 0, -1)
+    history = History(jnp.array([0.0, 5.0, 12.0, 30.0]), given["prescribed"])
+    model = Model(
+        body,
+        given["conductivity"],
+        given["capacity"],
+        surface=(
+            Convection(given["convection"], given["ambient"]),
+            Radiation(given["emissivity"], given["surroundings"]),
+            LaggedRadiation(given["lagged_emissivity"], given["surroundings"]),
+            Heating(given["power"], lamp, Schedule(11.0, 2.0)),
+            Contact(given["contact"], 290.0),
+            PrescribedFlux(given["flux"]),
+        ),
+        volume=(VolumetricSource(given["source"], Schedule(8.0)),),
+        prescribed=PrescribedTemperature(jnp.asarray(held), (history,)),
+        conductivity_law=PolynomialLaw(given["conductivity_law"], 300.0),
+        capacity_law=PolynomialLaw(given["capacity_law"], 300.0),
+    )
+    grid = uniform_steps(np.array([4.0, 12.0, 20.0]), 3.0, (8.0, 11.0))
+    return solve_heat(
+        model, given["initial"], grid, integrator=integrator, solver=SOLVER, adjoint=adjoint
+    ).temperature
+
+
+def loss(given: Inputs, integrator: AbstractIntegrator, adjoint: AbstractAdjoint) -> jax.Array:
+    found = temperatures(given, integrator, adjoint)
+    weight = 1 + jnp.sin(jnp.arange(found.size)).reshape(found.shape)
+    return jnp.sum(weight * (found - 295) ** 2) / found.size
+
+
+@cache
+def compiled(scheme: str) -> tuple[Callable, Callable, Callable]:
+    """The loss, its gradient, and its derivative along a direction."""
+
+    def value(given: Inputs) -> jax.Array:
+        return loss(given, INTEGRATORS[scheme], StoreSteps())
+
+    def along(given: Inputs, direction: Inputs) -> tuple[jax.Array, jax.Array]:
+        return jax.jvp(value, (given,), (direction,))
+
+    return jax.jit(value), jax.jit(jax.grad(value)), jax.jit(along)
+
+
+def direction_of(name: str, given: Inputs) -> Inputs:
+    """A change of one input by about its own size, of temperatures by tens of kelvin."""
+    level = given[name]
+    noise = jnp.asarray(np.random.default_rng(1).uniform(0.5, 1.0, level.shape))
+    kelvin = name in ("initial", "prescribed", "ambient", "surroundings")
+    step = 40 * noise if kelvin else level * noise
+    if name == "conductivity":
+        step = (step + jnp.swapaxes(step, 1, 2)) / 2
+    return {key: step if key == name else jnp.zeros_like(value) for key, value in given.items()}
+
+
+def moved(given: Inputs, direction: Inputs, share: float) -> Inputs:
+    return jax.tree.map(lambda a, b: a + share * b, given, direction)
+
+
+def order_of_remainder(value: Callable, given: Inputs, direction: Inputs, slope: float) -> float:
+    start = value(given)
+    rest = [abs(float(value(moved(given, direction, s)) - start - s * slope)) for s in SHARES]
+    return float(np.polyfit(np.log(SHARES), np.log(rest), 1)[0])
+
+
+@pytest.mark.parametrize("scheme", list(INTEGRATORS))
+@pytest.mark.parametrize("name", NAMES)
+def test_taylor_remainder(name: str, scheme: str) -> None:
+    value, gradient, along = compiled(scheme)
+    given = inputs(ORDERS[type(INTEGRATORS[scheme])])
+    assert sorted(given) == sorted(NAMES)
+    direction = direction_of(name, given)
+    _, forward = along(given, direction)
+    back = gradient(given)
+    reverse = sum(jnp.vdot(back[key], direction[key]) for key in direction)
+    assert abs(float(forward)) > 1e-3
+    np.testing.assert_allclose(forward, reverse, rtol=1e-10)
+    assert order_of_remainder(value, given, direction, float(reverse)) > 1.9
+
+
+def test_both_adjoints_give_the_same_gradient() -> None:
+    _, kept, _ = compiled("sdirk2")
+    again = jax.jit(jax.grad(lambda given: loss(given, INTEGRATORS["sdirk2"], RecomputeSegments(3))))
+    one, other = kept(inputs(1)), again(inputs(1))
+    for name in one:
+        tolerance = 1e-12 * float(jnp.abs(one[name]).max())
+        np.testing.assert_allclose(one[name], other[name], rtol=0, atol=tolerance, err_msg=name)
+
+
+def test_batch_of_tangents_equals_single_ones() -> None:
+    names = ("ambient", "surroundings", "power")
+
+    def frames(part: jax.Array) -> jax.Array:
+        given = inputs(1) | {name: part[i] for i, name in enumerate(names)}
+        return temperatures(given, Sdirk2(), StoreSteps())
+
+    start = jnp.stack([inputs(1)[name] for name in names])
+    together = jax.jit(jax.jacfwd(frames))(start)
+    single = jax.jit(lambda tangent: jax.jvp(frames, (start,), (tangent,))[1])
+    for column in range(len(names)):
+        alone = single(jnp.eye(len(names))[column])
+        assert float(jnp.abs(alone).max()) > 1e-3
+        tolerance = 1e-11 * float(jnp.abs(alone).max())
+        np.testing.assert_allclose(together[..., column], alone, rtol=0, atol=tolerance)
+
+
+def test_a_run_is_traced_once() -> None:
+    traces = 0
+
+    @eqx.filter_jit
+    def run(given: Inputs) -> jax.Array:
+        nonlocal traces
+        traces += 1
+        return temperatures(given, Sdirk2(), StoreSteps())
+
+    first = run(inputs(1))
+    second = run(moved(inputs(1), direction_of("power", inputs(1)), 0.1))
+    assert traces == 1
+    assert float(jnp.abs(first - second).max()) > 1e-3
