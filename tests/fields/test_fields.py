@@ -67,7 +67,9 @@ def test_values_stay_within_bounds(raw: float, low: float, ratio: float, log: bo
 
 
 @given(
-    share=st.floats(0.01, 0.99), low=st.floats(1e-9, 1e3), ratio=st.floats(1.5, 1e6),
+    share=st.floats(0.01, 0.99),
+    low=st.floats(1e-9, 1e3),
+    ratio=st.floats(1.5, 1e6),
     log=st.booleans(),
 )
 def test_raw_and_value_are_inverse(share: float, low: float, ratio: float, log: bool) -> None:

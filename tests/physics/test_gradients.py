@@ -174,7 +174,9 @@ def test_taylor_remainder(name: str, scheme: str) -> None:
 
 def test_both_adjoints_give_the_same_gradient() -> None:
     _, kept, _ = compiled("sdirk2")
-    again = jax.jit(jax.grad(lambda given: loss(given, INTEGRATORS["sdirk2"], RecomputeSegments(3))))
+    again = jax.jit(
+        jax.grad(lambda given: loss(given, INTEGRATORS["sdirk2"], RecomputeSegments(3)))
+    )
     one, other = kept(inputs(1)), again(inputs(1))
     for name in one:
         tolerance = 1e-12 * float(jnp.abs(one[name]).max())

@@ -165,9 +165,7 @@ def test_planned_steps_may_skip_frames() -> None:
 
 def test_steps_are_short_after_a_switch() -> None:
     model, initial = heated()
-    grid = plan_steps(
-        model, initial, FRAMES, tolerance=0.05, largest=5.0, switches=SWITCHES
-    )
+    grid = plan_steps(model, initial, FRAMES, tolerance=0.05, largest=5.0, switches=SWITCHES)
     after = np.flatnonzero(np.abs(np.asarray(grid.start) - SWITCHES[1]) < 1e-9)
     assert len(after) == 1
     before = after[0] - 2

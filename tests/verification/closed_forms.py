@@ -36,9 +36,7 @@ def step_slab(x: np.ndarray, time: np.ndarray, *, length: float, diffusivity: fl
     return (decay * factor) @ np.cos(np.outer(z, np.asarray(x) / length))
 
 
-def flux_slab(
-    x: np.ndarray, time: np.ndarray, *, length: float, diffusivity: float
-) -> np.ndarray:
+def flux_slab(x: np.ndarray, time: np.ndarray, *, length: float, diffusivity: float) -> np.ndarray:
     """Rise over flux * length / conductivity at (time, x), flux at x = length, x = 0 adiabatic."""
     share = np.asarray(x) / length
     fourier = (diffusivity / length**2) * np.asarray(time)[:, None]
@@ -65,7 +63,7 @@ def sine_driven_slab(
 def convective_ball_centre(
     time: np.ndarray, *, radius: float, diffusivity: float, biot: float
 ) -> np.ndarray:
-    """Share of the first excess left at the centre of a ball that exchanges with its surroundings."""
+    """Share of the first excess left at the centre of a ball whose surface exchanges."""
     z = _roots(lambda z: np.sin(z) * (1 - biot) - z * np.cos(z), 0.0, np.pi)
     factor = 4 * (np.sin(z) - z * np.cos(z)) / (2 * z - np.sin(2 * z))
     return np.exp(-(z**2) * (diffusivity / radius**2) * np.asarray(time)[:, None]) @ factor

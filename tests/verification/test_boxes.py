@@ -40,7 +40,10 @@ def test_ttlv301_step_on_all_faces() -> None:
     space = eighth()
     outer = (space.mesh.nodes > np.array(HALVES) - 1e-9).any(1)
     model = Model(
-        space, in_cells(space, 1.0), in_cells(space, 1.0), prescribed=held(space, (outer, constant(2)))
+        space,
+        in_cells(space, 1.0),
+        in_cells(space, 1.0),
+        prescribed=held(space, (outer, constant(2))),
     )
     times = np.array([0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.2])
     points = np.array([(0.0, 0.0, 0.0), (0.5, 0.8, 1.0)])
@@ -52,8 +55,7 @@ def test_ttlv301_step_on_all_faces() -> None:
         readout=at_points(space, points),
     ).temperature
     shares = [
-        step_slab(points[:, axis], times, length=HALVES[axis], diffusivity=1.0)
-        for axis in range(3)
+        step_slab(points[:, axis], times, length=HALVES[axis], diffusivity=1.0) for axis in range(3)
     ]
     exact = 2 - np.prod(shares, axis=0)
     stated = [
@@ -141,8 +143,8 @@ def test_nafems_t4_steady_convection() -> None:
 
 def test_orthotropic_box_is_a_stretched_isotropic_one() -> None:
     stretch = np.array([1.0, 2.0, 0.5])
-    plain = discretise(promote(box_mesh((0.1, 0.1, 0.1), (2, 2, 2))))
-    long = discretise(promote(box_mesh(tuple(0.1 * stretch), (2, 2, 2))))
+    plain = discretise(box_mesh((0.1, 0.1, 0.1), (2, 2, 2)))
+    long = discretise(box_mesh(tuple(0.1 * stretch), (2, 2, 2)))
     tensor = jnp.broadcast_to(jnp.diag(jnp.asarray(3.0 * stretch**2)), (48, 3, 3))
     grid = uniform_steps(np.array([400.0, 2000.0]), 100.0)
 

@@ -88,13 +88,15 @@ def test_fds_heat_conduction_a() -> None:
 
 
 def test_wall_of_two_layers_in_series() -> None:
-    space = slab(0.1, 5)
+    space = slab(0.1, 5, order=1)
     x, centre = space.mesh.nodes[:, 0], space.mesh.nodes[space.mesh.cells[:, :4]].mean(1)[:, 0]
     conductivity = jnp.asarray(np.where(centre < 0.04, 0.5, 12.0))
     ends = held(space, (x < 1e-9, constant(300.0)), (x > 0.1 - 1e-9, constant(350.0)))
     model = Model(space, conductivity, in_cells(space, 1.0), prescribed=ends)
     steady = simulate(
-        model, everywhere(space, 320.0), uniform_steps(np.array([1e9]), 1e9),
+        model,
+        everywhere(space, 320.0),
+        uniform_steps(np.array([1e9]), 1e9),
         integrator=BackwardEuler(),
     )
     exact = 300 + 50 * two_layer_wall(x, lengths=(0.04, 0.06), conductivities=(0.5, 12.0))

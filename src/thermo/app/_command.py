@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Mapping
 from importlib.metadata import version
@@ -10,18 +11,22 @@ from typing import Any
 
 import hydra
 from hydra.core.hydra_config import HydraConfig
+from hydra.errors import HydraException
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
+from omegaconf.errors import OmegaConfBaseException
 
-import thermo
+from thermo import errors
 from thermo.app import _verbs
-from thermo.errors import InputError
 
 VERBS: Mapping[str, Callable[[Mapping[str, Any]], None]] = {
     "invert": _verbs.invert,
     "predict": _verbs.predict,
     "simulate": _verbs.simulate,
 }
+
+# Letters of a job's folder; file systems end at 255 bytes.
+LONGEST_LABEL = 100
 
 HELP = """thermo VERB key=value ...
 
@@ -36,8 +41,8 @@ HELP = """thermo VERB key=value ...
 
 def configuration_folder() -> Path:
     """Folder of the configuration: in the installed package, or at the root of the repository."""
-    inside = Path(thermo.__file__).parent / "conf"
-    return inside if inside.is_dir() else Path(thermo.__file__).parents[2] / "conf"
+    inside = Path(errors.__file__).parent / "conf"
+    return inside if inside.is_dir() else Path(errors.__file__).parents[2] / "conf"
 
 
 def _settings(configuration: DictConfig) -> dict[str, Any]:
@@ -45,17 +50,37 @@ def _settings(configuration: DictConfig) -> dict[str, Any]:
     assert isinstance(settings, dict)
     job = HydraConfig.get()
     if job.mode == RunMode.MULTIRUN:
-        # Jobs of a multirun never share a folder.
-        label = job.job.override_dirname.replace("/", "_") or str(job.job.num)
+        # Jobs of a multirun never share a folder; only what differs between them names it.
+        swept = [word for word in job.overrides.task if word not in sys.argv]
+        label = ",".join(swept).replace("/", "_")
+        if not 0 < len(label) <= LONGEST_LABEL:
+            label = str(job.job.num)
         settings["out"] = str(Path(str(settings["out"])) / label)
     return {str(key): value for key, value in settings.items()}
+
+
+def _refusal(verb: str, fault: Exception) -> errors.InputError:
+    """What Hydra says of a command line, without its search path."""
+    found, _, rest = str(fault).partition("\n")
+    options = rest.partition("Available options in")[2].partition("Config search path")[0]
+    listed = [line.strip() for line in options.splitlines()[1:] if line.strip()]
+    return errors.InputError(
+        "this command line cannot be used",
+        where="the words after the verb",
+        value=found,
+        limit=", ".join(listed) or f"the settings of conf/{verb}.yaml, each with a value",
+        remedy=f"`thermo {verb} --help` shows every setting and its choices",
+    )
 
 
 def _run(verb: str, configuration: DictConfig) -> None:
     try:
         VERBS[verb](_settings(configuration))
-    except InputError as fault:
+    except errors.InputError as fault:
         print(f"thermo {verb}: {fault}", file=sys.stderr)
+        sys.exit(2)
+    except OmegaConfBaseException as fault:
+        print(f"thermo {verb}: {_refusal(verb, fault)}", file=sys.stderr)
         sys.exit(2)
     except KeyboardInterrupt:
         print(f"thermo {verb}: stopped; the same command goes on from there", file=sys.stderr)
@@ -79,4 +104,21 @@ def main() -> None:
     sys.argv = [f"thermo {verb}", *words[1:]]
     folder = str(configuration_folder())
     task = hydra.main(version_base="1.3", config_path=folder, config_name=verb)
-    task(lambda configuration: _run(verb, configuration))()
+    # Hydra then leaves its exceptions to us; its own report ends with another exit code.
+    os.environ["HYDRA_FULL_ERROR"] = "1"
+    try:
+        task(lambda configuration: _run(verb, configuration))()
+    except (HydraException, OmegaConfBaseException) as fault:
+        print(f"thermo {verb}: {_refusal(verb, fault)}", file=sys.stderr)
+        sys.exit(2)
+    except OSError as fault:
+        # A full disk, or a folder that Hydra could not make for a multirun.
+        refusal = errors.InputError(
+            "a file or folder cannot be used",
+            where=str(fault.filename or "out"),
+            value=fault.strerror or str(fault),
+            limit="folders that can be made and written to, with room left",
+            remedy="make room, or give another folder with out=FOLDER",
+        )
+        print(f"thermo {verb}: {refusal}", file=sys.stderr)
+        sys.exit(2)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -43,10 +45,14 @@ INTEGRATORS: Mapping[str, Callable[..., Any]] = {
 }
 
 
+CHOICES = {"order": (1, 2), "coarse_tangents": (True, False)}
+STAGES = ("none", "tet4_tet10")
+
+
 def _build(group: str, table: Mapping[str, Callable[..., Any]], section: Section) -> Any:
     values = dict(section)
     kind = values.pop("kind", None)
-    if kind not in table:
+    if not isinstance(kind, str) or kind not in table:
         raise InputError(
             f"there is no such {group}",
             where=f"{group}.kind",
@@ -54,23 +60,43 @@ def _build(group: str, table: Mapping[str, Callable[..., Any]], section: Section
             limit=", ".join(table),
             remedy=f"give {group}=NAME with one of these names",
         )
+    known = inspect.signature(table[kind]).parameters
     for name, value in values.items():
-        positive = isinstance(value, bool | dict) or value > 0
-        if not positive and not (name == "octaves" and value == 0):
+        if name not in known:
             raise InputError(
-                "a setting is not positive",
+                "unknown setting",
                 where=f"{group}.{name}",
                 value=value,
-                limit="a number above 0",
-                remedy=f"leave {group}.{name} at its default",
+                limit=", ".join(known) or "no setting at all",
+                remedy=f"remove {group}.{name}",
             )
-    try:
-        return table[kind](**values)
-    except TypeError as fault:
+        for item in value.values() if isinstance(value, Mapping) else (value,):
+            _check_setting(f"{group}.{name}", item, known[name].default, name)
+    return table[kind](**values)
+
+
+def _check_setting(where: str, value: Any, default: Any, name: str) -> None:
+    if value is None and default is None:
+        return
+    limit = "a number above 0"
+    if isinstance(default, bool):
+        limit, fine = "true or false", isinstance(value, bool)
+    elif name in CHOICES:
+        limit, fine = " or ".join(map(str, CHOICES[name])), value in CHOICES[name]
+    elif isinstance(value, bool) or not isinstance(value, int | float):
+        fine = False
+    elif isinstance(default, int) and not isinstance(value, int):
+        limit, fine = "a whole number above 0", False
+    else:
+        fine = 0 < value < float("inf") or (name == "octaves" and value == 0)
+    if not fine:
         raise InputError(
-            "unknown setting", where=group, value=str(fault), limit="the keys in conf/" + group,
-            remedy="remove the key",
-        ) from fault  # fmt: skip
+            "a setting makes no sense",
+            where=where,
+            value=value,
+            limit=limit,
+            remedy=f"leave {where} at its default",
+        )
 
 
 def build_field(section: Section) -> Any:
@@ -101,7 +127,7 @@ def build_meshing(section: Section) -> Meshing:
 
 def build_prior(section: Section) -> Prior:
     """The prior of a configuration. Raises `InputError`."""
-    step, decay = float(section["step"]), float(section["decay"])
+    step, decay = number(section, "step", "prior."), number(section, "decay", "prior.")
     if not (step > 0 and decay >= 0):
         raise InputError(
             "the prior makes no sense", where="prior", value=f"step {step}, decay {decay}",
@@ -110,16 +136,43 @@ def build_prior(section: Section) -> Prior:
     return Prior(step=step, decay=decay)
 
 
-def given(section: Section) -> dict[str, float]:
-    """The entries of a section that have a value [SI]."""
-    return {str(name): float(value) for name, value in section.items() if value is not None}
+def stages(section: Section) -> Any:
+    """The name of the stages. Raises `InputError`."""
+    if section["kind"] not in STAGES:
+        raise InputError(
+            "there are no such stages", where="stages.kind", value=section["kind"],
+            limit=", ".join(STAGES), remedy="give stages=NAME with one of these names",
+        )  # fmt: skip
+    return section["kind"]
+
+
+def number(section: Section, key: str, prefix: str = "", *, whole: bool = False) -> Any:
+    """A number of a section, in that setting's unit. Raises `InputError` for anything else."""
+    value = section[key]
+    kinds = int if whole else int | float
+    if isinstance(value, bool) or not isinstance(value, kinds) or not math.isfinite(value):
+        raise InputError(
+            "a number is wanted", where=prefix + key, value=value,
+            limit="a whole number" if whole else "a finite number",
+            remedy=f"give {prefix}{key} a number, or leave it at its default",
+        )  # fmt: skip
+    return value if whole else float(value)
+
+
+def given(section: Section, prefix: str) -> dict[str, float]:
+    """The entries of a section that have a value [SI]. Raises `InputError` for other than numbers.
+
+    Arguments: `prefix`: the section's name and a dot.
+    """
+    present = [str(name) for name, value in section.items() if value is not None]
+    return {name: number(section, name, prefix) for name in present}
 
 
 def names(value: Any, key: str) -> tuple[str, ...] | None:
     """A list of names, or None. Raises `InputError` for anything else."""
     if value is None:
         return None
-    if isinstance(value, str) or not all(isinstance(item, str) for item in value):
+    if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
         raise InputError(
             "a list of names is wanted", where=key, value=value, limit="[a,b]",
             remedy=f"write {key}=[a,b], in quotes if the shell minds brackets",

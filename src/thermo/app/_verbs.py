@@ -17,6 +17,8 @@ from thermo.app._configuration import (
     build_stepping,
     given,
     names,
+    number,
+    stages,
 )
 from thermo.observe import read_scene
 from thermo.report import (
@@ -40,6 +42,12 @@ def invert(settings: Configuration) -> None:
         "prior": build_prior(settings["prior"]),
         "stepping": build_stepping(settings["integrator"]),
         "meshing": build_meshing(settings["mesh"]),
+        "runs": names(settings["runs"], "runs"),
+        "unknown": names(settings["unknown"], "unknown"),
+        "stages": stages(settings["stages"]),
+        "initial": given(settings["initial"], "initial."),
+        "seed": number(settings, "seed", whole=True),
+        "model_error": number(settings, "model_error"),
     }
     scene = read_scene(Path(settings["data"]))
     require_writable(out)
@@ -47,12 +55,6 @@ def invert(settings: Configuration) -> None:
     with Progress("invert", arguments["optimiser"].max_steps, sys.stderr) as progress:
         estimate = inverse.invert(
             scene,
-            runs=names(settings["runs"], "runs"),
-            unknown=names(settings["unknown"], "unknown"),
-            stages=settings["stages"]["kind"],
-            initial=given(settings["initial"]),
-            seed=int(settings["seed"]),
-            model_error=float(settings["model_error"]),
             checkpoint=out / "checkpoint.npz",
             on_step=lambda step, most, loss: progress.update(step, loss),
             **arguments,
@@ -72,7 +74,7 @@ def predict(settings: Configuration) -> None:
         scene,
         Path(settings["estimate"]),
         runs=names(settings["runs"], "runs"),
-        tolerance=float(settings["tolerance"]),
+        tolerance=number(settings, "tolerance"),
     )
     seconds = time.monotonic() - begun
     record = write_predictions(out, "predict", predictions, settings, seconds)
@@ -86,7 +88,8 @@ def simulate(settings: Configuration) -> None:
     meshing = build_meshing(settings["mesh"])
     scene = read_scene(Path(settings["data"]))
     require_writable(out)
-    material, exchange = given(settings["material"]), given(settings["surface_exchange"])
+    material = given(settings["material"], "material.")
+    exchange = given(settings["surface_exchange"], "surface_exchange.")
     density = material.pop("density", scene.material.density)
     capacity = density * material.pop("heat_capacity", scene.material.heat_capacity)
     prediction = inverse.simulate(
@@ -94,7 +97,7 @@ def simulate(settings: Configuration) -> None:
         str(settings["run"]),
         values={**material, **exchange, "volumetric_heat_capacity": capacity},
         meshing=meshing,
-        tolerance=float(settings["tolerance"]),
+        tolerance=number(settings, "tolerance"),
     )
     seconds = time.monotonic() - begun
     runs = {str(settings["run"]): prediction}

@@ -49,7 +49,8 @@ class DirectField(AbstractField):
 def _direct(
     quantity: Quantity, extension: Extension, head: AbstractHead, initial: float, count: int
 ) -> DirectField:
-    raw = jnp.full(count, head.raw(jnp.asarray(float(initial))))
+    # Not a weak type: a fit would be compiled a second time after its first step.
+    raw = jnp.full(count, head.raw(jnp.asarray(initial, float)))
     return DirectField(quantity, extension, head, raw)
 
 

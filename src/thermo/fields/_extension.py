@@ -8,7 +8,7 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from thermo.fields._surface_graph import ControlPoints, surface_vertices
 from thermo.mesh import Mesh
@@ -58,9 +58,9 @@ def _behind(mesh: Mesh) -> tuple[Int[np.ndarray, "cells k"], Float[np.ndarray, "
     """The surface vertices nearest to each cell and their weights."""
     nodes, _ = surface_vertices(mesh)
     centres = mesh.nodes[mesh.cells[:, :4]].mean(1)
-    distance, near = cKDTree(mesh.nodes[nodes]).query(centres, k=min(3, len(nodes)))
+    distance, near = KDTree(mesh.nodes[nodes]).query(centres, k=min(3, len(nodes)))
     weight = 1 / np.maximum(distance, 1e-12) ** 2
-    return near, weight / weight.sum(1, keepdims=True)
+    return np.asarray(near), weight / weight.sum(1, keepdims=True)
 
 
 def patch_extension(mesh: Mesh, controls: ControlPoints) -> Extension:

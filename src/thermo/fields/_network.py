@@ -89,14 +89,10 @@ def network_field(
     low, high = mesh.nodes.min(0), mesh.nodes.max(0)
     points = 2 * (controls.points - low) / (high - low) - 1
     features = 4 + 6 * octaves
-    network = eqx.nn.MLP(
-        features, 1, width, depth, activation=jnp.tanh, key=jax.random.key(seed)
-    )
+    network = eqx.nn.MLP(features, 1, width, depth, activation=jnp.tanh, key=jax.random.key(seed))
     last = network.layers[-1]
-    small = (0.1 * last.weight, jnp.zeros_like(last.bias))
-    network = eqx.tree_at(
-        lambda net: (net.layers[-1].weight, net.layers[-1].bias), network, small
-    )
+    small = (0.1 * last.weight, jnp.zeros(1))
+    network = eqx.tree_at(lambda net: (net.layers[-1].weight, net.layers[-1].bias), network, small)
     shift = head.raw(jnp.asarray(float(initial)))
     extension = interpolating_extension(mesh, controls)
     return NetworkField(quantity, extension, head, points, shift, network, octaves)

@@ -20,10 +20,12 @@ from thermo.inverse._field_choice import (
     Uniform,
 )
 from thermo.inverse._first_order import Adam, LimitedMemoryBfgs
-from thermo.inverse._invert import Prior, Stepping, invert
+from thermo.inverse._invert import invert
 from thermo.inverse._least_squares import GaussNewtonKrylov, LevenbergMarquardt
 from thermo.inverse._optimiser import AbstractOptimiser
 from thermo.inverse._predict import Prediction, Scores, predict, score, simulate
+from thermo.inverse._stepping import Stepping
+from thermo.inverse._task import Prior
 
 __all__ = [
     "AbstractFieldChoice",

@@ -47,12 +47,16 @@ class Meshing:
 
     - `order`: 1 for TET4, 2 for TET10.
     - `max_nodes`: about the most nodes of the TET10 mesh [1].
+    - `coarse_tangents`: take the dense Jacobian of Levenberg-Marquardt from linear cells and half
+      as many steps. It costs a tenth and steers a fit whose residual stays that of `order`; None
+      takes it above eight unknowns.
     - `cells_per_depth`: cells over the depth that heat reaches [1].
     - `cache`: folder of meshes, None for the user's cache.
     """
 
     order: Literal[1, 2] = 2
     max_nodes: int = 15000
+    coarse_tangents: bool | None = None
     cells_per_depth: float = 1.0
     cache: Path | None = None
 
@@ -85,7 +89,7 @@ def surface_of(scene: Scene) -> Surface:
 
 
 def state(scene: Scene, initial: dict[str, float], conductivity: float) -> Stated:
-    """Uniform values of a scene [SI], with `initial` and a conductivity [W/m/K] where it is silent."""
+    """Uniform values [SI]: `initial`, then the scene's, then `conductivity` [W/m/K]."""
     capacity = scene.material.density * scene.material.heat_capacity
     given = Stated(
         conductivity=scene.material.conductivity or conductivity,

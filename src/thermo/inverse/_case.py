@@ -11,9 +11,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from thermo.inverse._conditions import Conditions, conditions
+from thermo.inverse._conditions import Conditions, conditions, switches
 from thermo.observe import Run, bind, estimate_noise
-from thermo.physics import Discretisation, ReadOut, TimeGrid
+from thermo.physics import Discretisation, ReadOut, TimeGrid, between_steps
 
 
 @final
@@ -23,6 +23,8 @@ class Case(eqx.Module):
     - `grid`: steps and frames [s]; `readout`: where the samples are.
     - `data`: (frames, samples) [K]; `weight`: 1 / standard deviation, zero where there is no
       valid value, (frames, samples) [1/K].
+    - `between`: where frames lie between the steps, the weights of what the grid's own frames
+      read, (frames, ends) [1]; None where the grid's frames are those of the data.
     """
 
     under: Conditions
@@ -30,6 +32,7 @@ class Case(eqx.Module):
     readout: ReadOut
     data: Float[Array, "*runs frames samples"]
     weight: Float[Array, "*runs frames samples"]
+    between: Float[Array, "*runs frames ends"] | None = None
 
 
 def _offset(run: Run) -> np.ndarray | float:
@@ -37,12 +40,20 @@ def _offset(run: Run) -> np.ndarray | float:
     quiet = run.recording.quiet
     if quiet is None or len(quiet) < 3:
         return 0.0
-    error = np.nanmean(quiet, axis=0) - run.initial_temperature
-    return np.where(np.isfinite(error), error, 0.0)
+    known = np.isfinite(quiet)
+    error = np.where(known, quiet - run.initial_temperature, 0.0).sum(0)
+    # A sample that is never seen quiet keeps its values.
+    return error / np.maximum(known.sum(0), 1)
 
 
 def make_case(
-    run: Run, space: Discretisation, grid: TimeGrid, *, model_error: float, where: str
+    run: Run,
+    space: Discretisation,
+    grid: TimeGrid,
+    *,
+    steps: TimeGrid | None = None,
+    model_error: float,
+    where: str,
 ) -> Case:
     """Bind a run to a mesh and weigh its data.
 
@@ -53,6 +64,7 @@ def make_case(
     Arguments:
 
     - `grid`: its frames must be frames of the recording [s].
+    - `steps`: other steps to simulate by [s]; frames of `grid` are interpolated between them.
     - `model_error`: what the simulation itself may be wrong by [K].
 
     Raises `InputError` where samples lie away from the surface.
@@ -65,7 +77,13 @@ def make_case(
     deviation = float(np.hypot(noise.white * np.sqrt((1 + r) / (1 - r)), model_error))
     data = recording.temperature[frames] - _offset(run)
     weight = np.where(recording.valid[frames], 1 / deviation, 0.0)
-    return Case(conditions(run, space), grid, readout, jnp.asarray(data), jnp.asarray(weight))
+    under = conditions(run, space)
+    if steps is None:
+        return Case(under, grid, readout, jnp.asarray(data), jnp.asarray(weight))
+    ends = np.asarray(steps.frame_time)
+    wanted = np.asarray(grid.frame_time)
+    between = jnp.asarray(between_steps(ends, np.eye(len(ends)), wanted, switches(run)))
+    return Case(under, steps, readout, jnp.asarray(data), jnp.asarray(weight), between)
 
 
 def _pad(array: np.ndarray | Array, length: int, axis: int, *, edge: bool) -> np.ndarray:
@@ -75,15 +93,15 @@ def _pad(array: np.ndarray | Array, length: int, axis: int, *, edge: bool) -> np
     return np.pad(array, width, mode="edge" if edge else "constant")
 
 
-def _pad_case(case: Case, steps: int, frames: int, samples: int) -> Case:
+def _pad_case(case: Case, steps: int, ends: int, frames: int, samples: int) -> Case:
     """Lengthen a case by steps of no duration and by data of no weight."""
     end = float(np.asarray(case.grid.start)[-1] + np.asarray(case.grid.size)[-1])
     start = np.append(np.asarray(case.grid.start), np.full(steps - len(case.grid.start), end))
     grid = TimeGrid(
         start=start,
         size=_pad(case.grid.size, steps, 0, edge=False),
-        frame_step=_pad(case.grid.frame_step, frames, 0, edge=True),
-        frame_time=_pad(case.grid.frame_time, frames, 0, edge=True),
+        frame_step=_pad(case.grid.frame_step, ends, 0, edge=True),
+        frame_time=_pad(case.grid.frame_time, ends, 0, edge=True),
     )
     readout = ReadOut(
         _pad(case.readout.nodes, samples, 0, edge=True),
@@ -91,7 +109,10 @@ def _pad_case(case: Case, steps: int, frames: int, samples: int) -> Case:
     )
     data = _pad(_pad(case.data, frames, 0, edge=True), samples, 1, edge=True)
     weight = _pad(_pad(case.weight, frames, 0, edge=False), samples, 1, edge=False)
-    return Case(case.under, grid, readout, jnp.asarray(data), jnp.asarray(weight))
+    between = case.between
+    if between is not None:
+        between = jnp.asarray(_pad(_pad(between, frames, 0, edge=False), ends, 1, edge=False))
+    return Case(case.under, grid, readout, jnp.asarray(data), jnp.asarray(weight), between)
 
 
 def stack_cases(cases: Sequence[Case]) -> tuple[Case, ...]:
@@ -106,7 +127,8 @@ def stack_cases(cases: Sequence[Case]) -> tuple[Case, ...]:
     for group in groups.values():
         steps = max(len(case.grid.start) for case in group)
         frames, samples = (max(case.data.shape[axis] for case in group) for axis in (0, 1))
-        padded = [_pad_case(case, steps, frames, samples) for case in group]
+        ends = max(len(case.grid.frame_step) for case in group)
+        padded = [_pad_case(case, steps, ends, frames, samples) for case in group]
         stacked.append(
             jax.tree.map(lambda *leaves: jnp.stack([jnp.asarray(a) for a in leaves]), *padded)
         )

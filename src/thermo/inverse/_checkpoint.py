@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import os
 import tempfile
+import zlib
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, final
+from zipfile import BadZipFile
 
 import jax
 import jax.numpy as jnp
@@ -51,7 +53,8 @@ def save_checkpoint(path: Path, state: Checkpoint) -> None:
     handle, name = tempfile.mkstemp(dir=path.parent, suffix=".npz")
     os.close(handle)
     try:
-        np.savez(name, **arrays)
+        np.savez(name, allow_pickle=False, **arrays)
+        os.chmod(name, 0o644)  # what mkstemp makes only its owner may read
         os.replace(name, path)
     finally:
         Path(name).unlink(missing_ok=True)
@@ -67,7 +70,7 @@ def load_checkpoint(path: Path, key: str, like: Parameters) -> Checkpoint | None
     if not path.exists():
         return None
     try:
-        with np.load(path, allow_pickle=False) as stored:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
             arrays = dict(stored)
         if str(arrays["key"]) != key:
             raise InputError(
@@ -77,18 +80,10 @@ def load_checkpoint(path: Path, key: str, like: Parameters) -> Checkpoint | None
                 limit=key,
                 remedy="give another `out` folder, or delete the file to start anew",
             )
-        leaves, shape = jax.tree.flatten(like)
-        trees = [
-            jax.tree.unflatten(
-                shape, [jnp.asarray(arrays[f"{label}_{n:03d}"]) for n in range(len(leaves))]
-            )
-            for label in ("now", "best")
-        ]
-        ends = np.cumsum(arrays["lengths"])[:-1]
-        history = [list(map(float, part)) for part in np.split(arrays["losses"], ends)]
-    except (OSError, KeyError, ValueError) as fault:
-        if isinstance(fault, InputError):
-            raise
+        return _restore(arrays, like)
+    except InputError:
+        raise
+    except (OSError, EOFError, KeyError, ValueError, BadZipFile, zlib.error) as fault:
         raise InputError(
             "this checkpoint cannot be read",
             where=str(path),
@@ -96,11 +91,29 @@ def load_checkpoint(path: Path, key: str, like: Parameters) -> Checkpoint | None
             limit="a file that an interrupted fit left",
             remedy="delete it to start anew",
         ) from fault
+
+
+def _restore(arrays: dict[str, np.ndarray], like: Parameters) -> Checkpoint:
+    leaves, shape = jax.tree.flatten(like)
+    trees = []
+    for label in ("now", "best"):
+        stored = [arrays[f"{label}_{number:03d}"] for number in range(len(leaves))]
+        for mine, leaf in zip(stored, leaves, strict=True):
+            if mine.shape != np.shape(leaf):
+                raise ValueError(f"parameters of shape {mine.shape}, not {np.shape(leaf)}")
+        trees.append(jax.tree.unflatten(shape, [jnp.asarray(mine) for mine in stored]))
+    ends = np.cumsum(arrays["lengths"])[:-1]
     memory = {
         name.removeprefix("memory_"): value
         for name, value in arrays.items()
         if name.startswith("memory_")
     }
     return Checkpoint(
-        key, int(arrays["stage"]), trees[0], trees[1], float(arrays["best_loss"]), history, memory
+        key=str(arrays["key"]),
+        stage=int(arrays["stage"]),
+        parameters=trees[0],
+        best=trees[1],
+        best_loss=float(arrays["best_loss"]),
+        history=[list(map(float, part)) for part in np.split(arrays["losses"], ends)],
+        memory=memory,
     )

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
-import tempfile
+import secrets
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import final
+from zipfile import BadZipFile
 
 import numpy as np
 from jaxtyping import Float
@@ -82,7 +84,7 @@ def weighted_quantile(
 
 
 def summary(mesh: Mesh, field: RecoveredField) -> dict[str, float | str]:
-    """Unit, median, 5 % and 95 % quantile over the surface, weighted by area [SI]."""
+    """Unit, median, 5 % and 95 % quantile over the surface, by area [m2]; values [SI]."""
     areas = face_areas(mesh)
     return {
         "unit": field.unit,
@@ -118,13 +120,13 @@ def save_estimate(path: Path, estimate: Estimate) -> None:
     }
     for name, field in estimate.fields.items():
         arrays[f"cells_{name}"], arrays[f"faces_{name}"] = field.cells, field.faces
-    handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".npz")
-    os.close(handle)
+    # Not from `tempfile`, whose files only their owner may read.
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.{secrets.token_hex(4)}.npz")
     try:
-        np.savez_compressed(temporary, **arrays)
+        np.savez_compressed(temporary, allow_pickle=False, **arrays)
         os.replace(temporary, path)
     finally:
-        Path(temporary).unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
 
 
 def load_estimate(path: Path) -> tuple[Mesh, int, Stated, dict[str, RecoveredField]]:
@@ -133,7 +135,7 @@ def load_estimate(path: Path) -> tuple[Mesh, int, Stated, dict[str, RecoveredFie
     Raises `InputError` where the file is missing, damaged or of another format.
     """
     try:
-        with np.load(path, allow_pickle=False) as stored:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
             arrays = dict(stored)
         if str(arrays["format"]) != FORMAT:
             raise KeyError(str(arrays["format"]))
@@ -149,7 +151,7 @@ def load_estimate(path: Path) -> tuple[Mesh, int, Stated, dict[str, RecoveredFie
         }
         stated = Stated(*(float(value) for value in arrays["stated"]))
         return mesh, int(arrays["order"]), stated, fields
-    except (OSError, KeyError, ValueError) as fault:
+    except (OSError, EOFError, KeyError, ValueError, BadZipFile, zlib.error) as fault:
         raise InputError(
             "this estimate cannot be read",
             where=str(path),

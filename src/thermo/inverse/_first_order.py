@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, final
+from collections.abc import Hashable, Mapping
+from typing import Any, cast, final
 
 import equinox as eqx
 import jax
@@ -122,7 +122,9 @@ class Adam(AbstractOptimiser):
     rates: Mapping[str, float] = eqx.field(default_factory=dict)
 
     def _method(self, names: tuple[str, ...]) -> optax.GradientTransformation:
-        each = {name: optax.adam(self.rates.get(name, self.rate)) for name in names}
+        each: dict[Hashable, optax.GradientTransformation] = {
+            name: optax.adam(self.rates.get(name, self.rate)) for name in names
+        }
         return optax.partition(each, lambda tree: {name: name for name in tree})
 
     def begin(self, objective: Objective, parameters: Parameters) -> Any:
@@ -151,13 +153,12 @@ class Adam(AbstractOptimiser):
         """One epoch over all runs [1]; the loss is that before the step."""
         value, slope = _slope(objective, parameters)
         updates, state = self._method(tuple(parameters)).update(slope, state, parameters)
-        return optax.apply_updates(parameters, updates), state, value, (False, True)
+        new = cast(Parameters, optax.apply_updates(parameters, updates))
+        return new, state, value, (False, True)
 
 
 @eqx.filter_jit
-def _slope(
-    objective: Objective, parameters: Parameters
-) -> tuple[Float[Array, ""], Parameters]:
+def _slope(objective: Objective, parameters: Parameters) -> tuple[Float[Array, ""], Parameters]:
     count = _residuals(objective, parameters)
     value, slope = jax.value_and_grad(lambda p: loss(objective, p) / count)(parameters)
     return value * count, slope

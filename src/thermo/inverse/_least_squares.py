@@ -20,6 +20,22 @@ from thermo.inverse._optimiser import AbstractOptimiser, Memory
 # make the Gauss-Newton step a good one from the start.
 FIRST_STEP = 1e2
 
+# Largest change of a parameter in one step [1]; fields are logarithmic, so a factor e.
+LONGEST = 1.0
+
+# Gain of a step [1] below which a fit has settled: in units of log-likelihood, and as a share of
+# the loss for fits whose misfit is far above the noise.
+SETTLED = 0.05
+SETTLED_SHARE = 1e-4
+
+# Trials in a row [1] that may fail where coarse tangents steer: from there they no longer know
+# which way is down, and shorter steps along them would only cost time.
+STALLED = 2
+
+# Of the trust region: change of the loss, as a share of the predicted one [1], from which a step
+# is accepted or good, and factors of the trust after a good and after a rejected step [1].
+ACCEPTED, GOOD, WIDEN, NARROW = 0.01, 0.99, 3.5, 0.25
+
 
 def _dense_residual(objective: Objective, unravel: Any) -> Any:
     """Residual whose derivative is made densely, all directions at once."""
@@ -30,26 +46,48 @@ def _dense_residual(objective: Objective, unravel: Any) -> Any:
 
     @function.defjvp
     def _(point: Any, tangent: Any) -> Any:
-        value, matrix = jacobian(objective, unravel(point[0]))
+        parameters = unravel(point[0])
+        if objective.tangents is None:
+            value, matrix = jacobian(objective, parameters)
+        else:
+            value = residual(objective, parameters)
+            _, matrix = jacobian(objective.tangents, parameters)
         return value, matrix @ tangent[0]
 
     return function
 
 
-def _solver(linear: lx.AbstractLinearSolver, rtol: float) -> optx.LevenbergMarquardt:
-    return optx.LevenbergMarquardt(rtol=rtol, atol=rtol, linear_solver=linear)
+def _bounded(move: Float[Array, " unknowns"]) -> Float[Array, " unknowns"]:
+    """The step [1], shortened where it would move a parameter by more than `LONGEST`.
+
+    Far from the answer a field can be so stiff that the data hardly change with it, and the
+    undamped step leaves the bounds; finding the right damping by trial costs a run a trial.
+    """
+    return move * jnp.minimum(1.0, LONGEST / jnp.maximum(optx.max_norm(move), 1e-12))
+
+
+@final
+class _BoundedDescent(optx.AbstractDescent):
+    """A damped Newton step of bounded length."""
+
+    damped: optx.DampedNewtonDescent
+
+    def init(self, y: Any, f_info_struct: Any) -> Any:
+        return self.damped.init(y, f_info_struct)
+
+    def query(self, y: Any, f_info: Any, state: Any) -> Any:
+        return self.damped.query(y, f_info, state)
+
+    def step(self, step_size: Any, state: Any) -> Any:
+        move, result = self.damped.step(step_size, state)
+        return _bounded(move), result
 
 
 def _prepare(
-    objective: Objective, parameters: Parameters, solver: Any, *, dense: bool
+    objective: Objective, parameters: Parameters
 ) -> tuple[Any, Float[Array, " unknowns"], Any]:
     flat, unravel = ravel_pytree(parameters)
-    if dense:
-        plain = _dense_residual(objective, unravel)
-    else:
-
-        def plain(point: Float[Array, " unknowns"]) -> Float[Array, " all"]:
-            return residual(objective, unravel(point))
+    plain = _dense_residual(objective, unravel)
 
     def function(point: Any, args: Any) -> tuple[Any, None]:
         del args
@@ -58,31 +96,32 @@ def _prepare(
     return function, flat, unravel
 
 
-def _begin(objective: Objective, parameters: Parameters, solver: Any, *, dense: bool) -> Any:
-    function, flat, _ = _prepare(objective, parameters, solver, dense=dense)
+def _begin(objective: Objective, parameters: Parameters, solver: Any) -> Any:
+    function, flat, _ = _prepare(objective, parameters)
     shape = jax.eval_shape(lambda point: function(point, None)[0], flat)
     state = solver.init(function, flat, None, {}, shape, None, frozenset())
-    return eqx.tree_at(lambda s: s.search_state.step_size, state, jnp.asarray(FIRST_STEP))
+    # With a weak type here the second step would be compiled anew.
+    first = jnp.asarray(FIRST_STEP, float)
+    return eqx.tree_at(lambda s: s.search_state.step_size, state, first)
 
 
 @eqx.filter_jit
 def _advance(
-    objective: Objective, parameters: Parameters, state: Any, solver: Any, dense: bool
+    objective: Objective, parameters: Parameters, state: Any, solver: Any
 ) -> tuple[Parameters, Any, Float[Array, ""], Any]:
-    function, flat, unravel = _prepare(objective, parameters, solver, dense=dense)
+    function, flat, unravel = _prepare(objective, parameters)
     new, state, _ = solver.step(function, flat, None, {}, state, frozenset())
     done, result = solver.terminate(function, new, None, {}, state, frozenset())
     loss = 0.5 * jnp.sum(state.f_info.residual**2)
-    return unravel(new), state, loss, (done, result == optx.RESULTS.successful)
-
-
-def _memory(state: Any) -> Memory:
-    return {"step_size": np.asarray(state.search_state.step_size)}
-
-
-def _resume(state: Any, memory: Memory) -> Any:
-    step = jnp.asarray(memory["step_size"])
-    return eqx.tree_at(lambda s: s.search_state.step_size, state, step)
+    # The loss is half a chi-squared: a step that promises less than this moves no parameter by
+    # more than a fraction of its own uncertainty.
+    change = state.f_info.jac.mv(state.y_eval - new)
+    promise = -jnp.sum(change * (state.f_info.residual + 0.5 * change))
+    settled = promise < jnp.maximum(SETTLED, SETTLED_SHARE * loss)
+    if objective.tangents is not None:
+        settled = settled | (state.num_steps_since_acceptance >= STALLED)
+    fine = (result == optx.RESULTS.successful) | settled
+    return unravel(new), state, loss, (done | settled, fine)
 
 
 @final
@@ -98,15 +137,22 @@ class LevenbergMarquardt(AbstractOptimiser):
     rtol: float = 1e-4
 
     def _method(self) -> optx.LevenbergMarquardt:
-        return _solver(lx.Normal(lx.Cholesky()), self.rtol)
+        linear = lx.Normal(lx.Cholesky())
+        method = optx.LevenbergMarquardt(rtol=self.rtol, atol=self.rtol, linear_solver=linear)
+        return eqx.tree_at(lambda m: m.descent, method, _BoundedDescent(method.descent))
 
     def begin(self, objective: Objective, parameters: Parameters) -> Any:
         """State before the first step, at the given parameters [1]."""
-        return _begin(objective, parameters, self._method(), dense=True)
+        return _begin(objective, parameters, self._method())
 
     def resume(self, state: Any, memory: Memory) -> Any:
         """The state with the damping that `memory` kept [1]."""
-        return _resume(state, memory)
+        # A fit that has accepted steps and yet stands at its first one was taken up again.
+        step = jnp.asarray(memory["step_size"])
+        accepted = jnp.asarray(memory["accepted"])
+        return eqx.tree_at(
+            lambda s: (s.search_state.step_size, s.num_accepted_steps), state, (step, accepted)
+        )
 
     def fixed_length(self) -> bool:
         """No: it stops by its tolerance [1]."""
@@ -117,14 +163,72 @@ class LevenbergMarquardt(AbstractOptimiser):
         return True
 
     def memory(self, state: Any) -> Memory:
-        """The damping [1]."""
-        return _memory(state)
+        """The damping and the number of accepted steps [1]."""
+        return {
+            "step_size": np.asarray(state.search_state.step_size),
+            "accepted": np.asarray(state.num_accepted_steps),
+        }
 
     def advance(
         self, objective: Objective, parameters: Parameters, state: Any
     ) -> tuple[Parameters, Any, Float[Array, ""], Any]:
         """One trial step [1]."""
-        return _advance(objective, parameters, state, self._method(), True)
+        method = self._method()
+        if bool(state.first_step) and int(state.num_accepted_steps) > 0:
+            # The fit goes on: only the Jacobian where it stood is missing.
+            parameters, state, _, _ = _advance(objective, parameters, state, method)
+        return _advance(objective, parameters, state, method)
+
+
+@final
+class _Trial(eqx.Module):
+    """Between two steps: trust `step` [1], `loss` [1] where the fit stands, a `trial` point [1].
+
+    - `predicted`: change of the loss that the linearised residual promises there [1].
+    """
+
+    step: Float[Array, ""]
+    loss: Float[Array, ""]
+    trial: Float[Array, " unknowns"]
+    predicted: Float[Array, ""]
+
+
+@eqx.filter_jit
+def _advance_krylov(
+    objective: Objective, parameters: Parameters, state: _Trial, inner: lx.CG, rtol: float
+) -> tuple[Parameters, _Trial, Float[Array, ""], Any]:
+    stood, unravel = ravel_pytree(parameters)
+
+    def function(point: Float[Array, " unknowns"]) -> Float[Array, " all"]:
+        return residual(objective, unravel(point))
+
+    change = 0.5 * jnp.sum(function(state.trial) ** 2) - state.loss
+    begun = jnp.isfinite(state.loss)
+    accept = ~begun | (change <= ACCEPTED * state.predicted)
+    good = begun & (change < GOOD * state.predicted)
+    step = state.step * jnp.where(accept, jnp.where(good, WIDEN, 1.0), NARROW)
+    flat = jnp.where(accept, state.trial, stood)
+
+    value, pull = jax.vjp(function, flat)
+    (slope,) = pull(value)
+
+    def push(way: Float[Array, " unknowns"]) -> Float[Array, " all"]:
+        return jax.jvp(function, (flat,), (way,))[1]
+
+    damped = lx.FunctionLinearOperator(
+        lambda way: pull(push(way))[0] + way / step,
+        jax.eval_shape(lambda: flat),
+        lx.positive_semidefinite_tag,
+    )
+    # Running out of iterations is no failure: what conjugate gradients have by then is still a
+    # direction of descent, and the trust region judges it.
+    move = _bounded(lx.linear_solve(damped, -slope, inner, throw=False).value)
+    loss = 0.5 * jnp.sum(value**2)
+    predicted = slope @ move + 0.5 * jnp.sum(push(move) ** 2)
+    moved = accept & begun
+    settled = -predicted < jnp.maximum(SETTLED, SETTLED_SHARE * loss)
+    settled = settled | (moved & jnp.all(jnp.abs(flat - stood) < rtol * (1 + jnp.abs(flat))))
+    return unravel(flat), _Trial(step, loss, flat + move, predicted), loss, (settled, settled)
 
 
 @final
@@ -142,19 +246,17 @@ class GaussNewtonKrylov(AbstractOptimiser):
     inner_steps: int = 20
     inner_rtol: float = 1e-2
 
-    def _method(self) -> optx.LevenbergMarquardt:
-        # A Krylov method that stops at its last iteration still gives a descent direction, so
-        # running out of them is no failure; the trust region judges the step.
-        inner = lx.CG(rtol=self.inner_rtol, atol=0.0, max_steps=self.inner_steps)
-        return _solver(lx.Normal(inner), self.rtol)
-
     def begin(self, objective: Objective, parameters: Parameters) -> Any:
         """State before the first step, at the given parameters [1]."""
-        return _begin(objective, parameters, self._method(), dense=False)
+        del objective
+        flat, _ = ravel_pytree(parameters)
+        far = jnp.asarray(np.inf, float)
+        return _Trial(jnp.asarray(FIRST_STEP, float), far, flat, jnp.asarray(0.0, float))
 
     def resume(self, state: Any, memory: Memory) -> Any:
-        """The state with the damping that `memory` kept [1]."""
-        return _resume(state, memory)
+        """The state that `memory` kept [1]."""
+        del state
+        return _Trial(**{name: jnp.asarray(value) for name, value in memory.items()})
 
     def fixed_length(self) -> bool:
         """No: it stops by its tolerance [1]."""
@@ -165,11 +267,13 @@ class GaussNewtonKrylov(AbstractOptimiser):
         return True
 
     def memory(self, state: Any) -> Memory:
-        """The damping [1]."""
-        return _memory(state)
+        """The damping, the loss and the trial point [1]."""
+        names = ("step", "loss", "trial", "predicted")
+        return {name: np.asarray(getattr(state, name)) for name in names}
 
     def advance(
         self, objective: Objective, parameters: Parameters, state: Any
     ) -> tuple[Parameters, Any, Float[Array, ""], Any]:
         """One trial step [1]."""
-        return _advance(objective, parameters, state, self._method(), False)
+        inner = lx.CG(rtol=self.inner_rtol, atol=0.0, max_steps=self.inner_steps)
+        return _advance_krylov(objective, parameters, state, inner, self.rtol)

@@ -57,6 +57,7 @@ class Objective(eqx.Module):
 
     - `fields`, `priors`: by quantity name; `stated`: the rest of the body's properties [SI].
     - `cases`: runs, stacked in groups of one shape.
+    - `tangents`: a cheaper objective of the same shape whose dense Jacobian stands in, or None.
     - `integrator`, `solver`: of the simulation; `lagged`: the paper's radiation.
 
     Source: paper, appendix B.7 (checklist D4, E1, E2, E5).
@@ -70,6 +71,7 @@ class Objective(eqx.Module):
     integrator: AbstractIntegrator
     solver: ConjugateGradient
     lagged: bool = eqx.field(static=True, default=False)
+    tangents: Objective | None = None
 
 
 def start(objective: Objective) -> Parameters:
@@ -92,7 +94,7 @@ def case_temperatures(
     body = properties(objective.stated, fields, len(space.mesh.cells), len(space.mesh.faces))
     model = make_model(space, body, case.under, lagged=objective.lagged)
     initial = case.under.start(len(space.mesh.nodes))
-    return solve_heat(
+    temperature = solve_heat(
         model,
         initial,
         case.grid,
@@ -100,6 +102,7 @@ def case_temperatures(
         readout=case.readout,
         solver=objective.solver,
     ).temperature
+    return temperature if case.between is None else case.between @ temperature
 
 
 def data_residual(

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
@@ -23,9 +25,18 @@ from thermo.inverse._conditions import conditions, make_model, switches
 from thermo.inverse._estimate import Estimate, RecoveredField, load_estimate, weighted_quantile
 from thermo.inverse._properties import Properties, Stated, check_unknowns
 from thermo.inverse._selection import select_runs
+from thermo.inverse._stepping import free_grid
 from thermo.mesh import Mesh, face_areas
 from thermo.observe import Run, Scene, bind, read_scene
-from thermo.physics import Discretisation, ReadOut, TimeGrid, discretise, plan_steps
+from thermo.physics import (
+    Discretisation,
+    ReadOut,
+    between_steps,
+    discretise,
+)
+
+LEAST_STEPS = 40
+"""Steps of a run [1], however slowly it changes: what is read between them is interpolated."""
 
 MOMENTS = 13
 """Frames of a run that are kept for the whole body [1]."""
@@ -105,21 +116,13 @@ def _properties(
     emissivity = faces("emissivity", stated.emissivity)
     if "scaled_emissivity" in fields:
         emissivity = faces("scaled_emissivity", 0.0) * stated.capacity
-    return Properties(conductivity, capacity, convection, emissivity)  # type: ignore[arg-type]
+    values = (conductivity, capacity, convection, emissivity)
+    return Properties(*(jnp.asarray(value) for value in values))
 
 
-def _grid(mesh: Mesh, body: Properties, run: Run, tolerance: float) -> TimeGrid:
-    space = discretise(mesh)
-    under = conditions(run, space)
-    frames = run.recording.time
-    return plan_steps(
-        make_model(space, body, under),
-        under.start(len(space.mesh.nodes)),
-        frames,
-        tolerance=tolerance,
-        largest=float(frames[-1]),
-        switches=switches(run),
-    )
+def _equal(one: Properties, other: Properties) -> bool:
+    pairs = zip(jax.tree.leaves(one), jax.tree.leaves(other), strict=True)
+    return all(bool(jnp.array_equal(a, b)) for a, b in pairs)
 
 
 def _with_corners(readout: ReadOut, space: Discretisation, mesh: Mesh) -> ReadOut:
@@ -139,15 +142,22 @@ def _forward(
     space = discretise(of_order(mesh, order))
     readout, _ = bind(run.recording, space.mesh, where=where)
     readout = _with_corners(readout, space, mesh)
-    grid = _grid(mesh, next(iter(bodies.values())), run, tolerance)
+    first = next(iter(bodies.values()))
+    grid = free_grid(mesh, first, run, tolerance=tolerance, least_steps=LEAST_STEPS)
     under = conditions(run, space)
     recording = run.recording
     measured = np.where(recording.valid, recording.temperature, np.nan)
     samples = len(recording.points)
-    results = {
-        name: solve_heat_once(make_model(space, body, under), under, grid, readout)
-        for name, body in bodies.items()
-    }
+    results: dict[str, np.ndarray] = {}
+    for name, body in bodies.items():
+        same = next((other for other in results if _equal(bodies[other], body)), None)
+        if same is not None:
+            results[name] = results[same]
+            continue
+        ends = solve_heat_once(make_model(space, body, under), under, grid, readout)
+        results[name] = between_steps(
+            np.asarray(grid.frame_time), ends, recording.time, switches(run)
+        )
     scores = {name: score(result[:, :samples], measured) for name, result in results.items()}
     first = next(iter(results.values()))
     frames = len(recording.time)
@@ -226,7 +236,6 @@ def simulate(
     (picked,) = select_runs(scene, (run,), held_out=False)
     values = {} if values is None else values
     check_initial(values)
-    check_unknowns(tuple(values), scene)
     meshing = Meshing() if meshing is None else meshing
     if scene.material.conductivity is None and not {"conductivity", "diffusivity"} & set(values):
         raise InputError(
@@ -236,6 +245,7 @@ def simulate(
             limit="a positive number [W/m/K]",
             remedy="give material.conductivity=0.2, for example",
         )
+    check_unknowns(tuple(values), scene)
     stated = state(scene, values, 1.0)
     mesh = make_mesh(scene, surface_of(scene), stated.of("diffusivity"), meshing)
     body = _properties(mesh, stated, {}, median=False)

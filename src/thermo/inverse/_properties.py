@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import final
 
 import equinox as eqx
@@ -61,10 +61,10 @@ _CLASHES = (
 )
 
 
-def check_unknowns(unknown: tuple[str, ...], scene: Scene) -> None:
+def check_unknowns(unknown: tuple[str, ...], scene: Scene, given: Collection[str] = ()) -> None:
     """Refuse unknowns that are two names of one property, and properties [1] left without a value.
 
-    Raises `InputError`.
+    `given` names quantities that have a value from elsewhere than the scene. Raises `InputError`.
     """
     for pair in _CLASHES:
         if set(pair) <= set(unknown):
@@ -75,19 +75,19 @@ def check_unknowns(unknown: tuple[str, ...], scene: Scene) -> None:
                 limit="one of the two",
                 remedy=f"leave out {pair[0]} or {pair[1]}",
             )
-    given = {
+    stated = {
         "conductivity": scene.material.conductivity,
         "convection": scene.convection,
         "emissivity": scene.emissivity,
     }
-    for (name, other), value in zip(_CLASHES, given.values(), strict=True):
-        if value is None and name not in unknown and other not in unknown:
+    for (name, other), value in zip(_CLASHES, stated.values(), strict=True):
+        if value is None and not {name, other} & {*unknown, *given}:
             raise InputError(
                 f"{name} is neither stated nor unknown",
                 where=f"{scene.folder}/scene.json: {name}",
                 value="null",
                 limit="a value, or the name among the unknowns",
-                remedy=f"state {name}, or add it to unknown=[...]",
+                remedy=f"state it there, give initial.{name}=VALUE, or add it to unknown=[...]",
             )
 
 

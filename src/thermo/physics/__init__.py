@@ -2,13 +2,14 @@
 
 from thermo.physics._adjoint import AbstractAdjoint, RecomputeSegments, StoreSteps
 from thermo.physics._balance import Balance, assemble, heat_rate, step_matrix, stored_heat
+from thermo.physics._between_steps import between_steps
 from thermo.physics._conjugate_gradient import ConjugateGradient
 from thermo.physics._discretisation import Discretisation, discretise
 from thermo.physics._model import Model
 from thermo.physics._readout import ReadOut, every_node
 from thermo.physics._simulate import Solution, solve_heat
 from thermo.physics._sparse_operator import SparseOperator
-from thermo.physics._time_grid import TimeGrid, plan_steps, uniform_steps
+from thermo.physics._time_grid import TimeGrid, every_step, plan_steps, uniform_steps
 
 __all__ = [
     "AbstractAdjoint",
@@ -23,8 +24,10 @@ __all__ = [
     "StoreSteps",
     "TimeGrid",
     "assemble",
+    "between_steps",
     "discretise",
     "every_node",
+    "every_step",
     "heat_rate",
     "plan_steps",
     "solve_heat",

@@ -52,9 +52,7 @@ class RecomputeSegments(AbstractAdjoint):
         def segment(state: Any, piece: Any) -> tuple[Any, Any]:
             return jax.lax.scan(kept, state, piece)
 
-        head = jax.tree.map(
-            lambda a: a[:whole].reshape(-1, self.length, *a.shape[1:]), inputs
-        )
+        head = jax.tree.map(lambda a: a[:whole].reshape(-1, self.length, *a.shape[1:]), inputs)
         tail = jax.tree.map(lambda a: a[whole:], inputs)
         state, first = jax.lax.scan(jax.checkpoint(segment, prevent_cse=False), start, head)
         state, rest = jax.lax.scan(kept, state, tail)

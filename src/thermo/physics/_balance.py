@@ -17,8 +17,9 @@ from thermo.physics._discretisation import (
     surface_mass,
     volume_load,
 )
+from thermo.physics._edge_product import difference_product, edge_product
 from thermo.physics._model import Model
-from thermo.physics._pattern import difference_product, edge_product, expand, rewrite_surface
+from thermo.physics._pattern import expand, rewrite_surface
 from thermo.physics._shape import reference_mass
 from thermo.physics._sparse_operator import SparseOperator, frozen
 from thermo.physics.effects._effect import Time
@@ -91,13 +92,9 @@ def heat_rate(
     return rate
 
 
-def stored_heat(
-    balance: Balance, rise: Float[Array, " nodes"]
-) -> Float[Array, " nodes"]:
+def stored_heat(balance: Balance, rise: Float[Array, " nodes"]) -> Float[Array, " nodes"]:
     """M times a rise of (equivalent) temperature [K]: the heat stored at each node [J]."""
-    return edge_product(
-        balance.model.space.pattern, balance.stored, balance.stored_edges, rise
-    )
+    return edge_product(balance.model.space.pattern, balance.stored, balance.stored_edges, rise)
 
 
 def equivalent(balance: Balance, temperature: Float[Array, " nodes"]) -> Float[Array, " nodes"]:

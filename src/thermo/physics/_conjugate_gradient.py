@@ -10,7 +10,7 @@ import lineax as lx
 from jax.custom_batching import custom_vmap
 from jaxtyping import Array, Bool, Float, Int
 
-from thermo.physics._pattern import Pattern, row_product
+from thermo.physics._pattern import Pattern, row_product, split_rows
 from thermo.physics._sparse_operator import SparseOperator
 
 _State = tuple[Pattern, Float[Array, " nodes"], Float[Array, " entries"]]
@@ -30,6 +30,7 @@ def _iterate(
 ) -> tuple[Float[Array, "nodes *batch"], Int[Array, ""], Bool[Array, ""]]:
     """Solve for all columns of `rhs` together; a column that has converged stands still."""
     pattern, diagonal, rows = state
+    pieces = split_rows(pattern, rows)
     inverse = (1 / diagonal).reshape(-1, *(1,) * (rhs.ndim - 1))
     z = inverse * rhs
     rz = _dot(rhs, z)
@@ -41,7 +42,7 @@ def _iterate(
 
     def body(carry: Any) -> Any:
         x, r, p, rz, step = carry
-        q = row_product(pattern, diagonal, rows, p)
+        q = row_product(pattern, diagonal, pieces, p)
         curvature = _dot(p, q)
         alpha = jnp.where(rz > goal, rz / jnp.where(curvature == 0, 1, curvature), 0)
         x, r = x + alpha * p, r - alpha * q

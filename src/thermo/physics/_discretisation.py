@@ -171,9 +171,7 @@ def surface_load(
     return jnp.zeros(len(space.mesh.nodes)).at[space.mesh.faces].add(terms)
 
 
-def volume_load(
-    space: Discretisation, density: Float[Array, " cells"]
-) -> Float[Array, " nodes"]:
+def volume_load(space: Discretisation, density: Float[Array, " cells"]) -> Float[Array, " nodes"]:
     """Nodal heat rate [W] of a power density given for each cell, (cells,) [W/m3]."""
     share = jnp.asarray(reference_mass(space.order).sum(1))
     terms = (density * space.volume)[:, None] * share

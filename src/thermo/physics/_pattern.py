@@ -1,24 +1,31 @@
 """The fixed sparsity of a mesh: its edges, and rows grouped by length for fast products.
 
 A symmetric matrix on the mesh is stored twice. `diagonal` and `edges` (one value for each pair of
-nodes that share a cell) are what derivatives flow through: a product is a gather and a scatter,
-and so is its transpose. `rows` holds the same values row by row, padded to equal lengths in a few
-groups, and is what the linear solver multiplies with: unrolled gathers reach the speed of a
-compiled sparse product.
+nodes that share a cell) are what derivatives flow through. `rows` holds the same values row by
+row, padded to equal lengths in a few groups, and is what the linear solver multiplies with:
+gathers in short runs come within a factor of two of a compiled sparse product, and compile in a
+second.
 """
 
 from __future__ import annotations
 
-from typing import final
+from typing import Any, final
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Float, Int, Shaped
 
-GROUPS = 16
-UNROLL = 8
+RUN = 8
+"""Gathers [1] that are written out one after the other; the rest of a group loops over runs."""
+
+GATHER_COST = 1000.0
+"""Padded entries [1] that are worth one gather less to compile."""
+
+Runs = tuple[
+    Shaped[Array | np.ndarray, "_loops run _rows"], Shaped[Array | np.ndarray, "_rest _rows"]
+]
 
 
 @final
@@ -28,7 +35,8 @@ class Pattern(eqx.Module):
     Arguments:
 
     - `first`, `second`: the two nodes of every edge, (edges,), first < second.
-    - `columns`: for each group the node numbers, (width, rows), padded with the row itself.
+    - `columns`: for each group the node numbers in runs, (loops, RUN, rows), and what is left
+      over, (rest, rows); padded with the row itself.
     - `source`: for each padded entry the edge that it holds, (entries,); `edges` means zero.
     - `hit`, `hit_edge`: the entries that hold an edge of the surface, and that edge, so that a
       change on the surface rewrites only these.
@@ -37,7 +45,7 @@ class Pattern(eqx.Module):
 
     first: Int[Array | np.ndarray, " edges"]
     second: Int[Array | np.ndarray, " edges"]
-    columns: tuple[Int[Array | np.ndarray, "_width _rows"], ...]
+    columns: tuple[Runs, ...]
     source: Int[Array | np.ndarray, " entries"]
     hit: Int[Array | np.ndarray, " hits"]
     hit_edge: Int[Array | np.ndarray, " hits"]
@@ -72,6 +80,25 @@ def find_pairs(
     return np.searchsorted(key, low * count + high).astype(np.int32)
 
 
+def _cut(length: Int[np.ndarray, " nodes"]) -> Int[np.ndarray, " cuts"]:
+    """First rows of the groups: the least padding and the fewest gathers, over all groupings."""
+    width, rows = np.unique(-length, return_counts=True)
+    width, before = -width, np.concatenate([[0], np.cumsum(rows)])
+    gathers = np.where(width < 2 * RUN, width, RUN + width % RUN)
+    least, origin = np.zeros(len(width) + 1), np.zeros(len(width) + 1, int)
+    for end in range(1, len(width) + 1):
+        # A group is as wide as its first row.
+        cost = (
+            least[:end] + width[:end] * (before[end] - before[:end]) + GATHER_COST * gathers[:end]
+        )
+        origin[end] = int(np.argmin(cost))
+        least[end] = cost[origin[end]]
+    cuts = [len(width)]
+    while cuts[-1] > 0:
+        cuts.append(int(origin[cuts[-1]]))
+    return before[cuts[::-1]]
+
+
 def make_pattern(
     pairs: Int[np.ndarray, "edges 2"], surface_edges: Int[np.ndarray, " some"], count: int
 ) -> Pattern:
@@ -91,18 +118,18 @@ def make_pattern(
     row, column, edge = row[order], column[order], edge[order]
     length = np.bincount(row, minlength=count)
     start = np.concatenate([[0], np.cumsum(length)])
-    cuts = np.unique(np.linspace(0, count, GROUPS + 1).astype(int))
+    cuts = _cut(length)
     bounds, columns, sources = [], [], []
     for low, high in zip(cuts[:-1], cuts[1:], strict=True):
         width = int(length[low:high].max())
-        piece = slice(start[low], start[high])
-        place = np.arange(piece.start, piece.stop) - start[row[piece]]
+        piece = slice(int(start[low]), int(start[high]))
+        place = np.arange(int(start[low]), int(start[high])) - start[row[piece]]
         numbers = np.tile(np.arange(low, high), (width, 1))
         numbers[place, row[piece] - low] = column[piece]
         held = np.full((width, high - low), edges)
         held[place, row[piece] - low] = edge[piece]
         bounds.append((int(low), int(high)))
-        columns.append(numbers.astype(np.int32))
+        columns.append(_cut_runs(numbers.astype(np.int32)))
         sources.append(held.ravel())
     source = np.concatenate(sources).astype(np.int32)
     hit = np.flatnonzero(np.isin(source, surface_edges)).astype(np.int32)
@@ -129,70 +156,54 @@ def rewrite_surface(
     return rows.at[pattern.hit].set(edges[pattern.hit_edge], unique_indices=True)
 
 
+def _cut_runs(
+    rows: Shaped[np.ndarray, "width rows"] | Shaped[Array, "width rows"],
+) -> tuple[Any, Any]:
+    """The runs of a group, (loops, RUN, rows), and what is left over, (rest, rows)."""
+    width, size = rows.shape
+    loops = width // RUN if width >= 2 * RUN else 0
+    return rows[: loops * RUN].reshape(loops, RUN, size), rows[loops * RUN :]
+
+
+def split_rows(pattern: Pattern, rows: Shaped[Array, " entries"]) -> tuple[Runs, ...]:
+    """The padded rows of each group, cut into runs: done once, before a solver's loop."""
+    pieces, offset = [], 0
+    for (low, high), (runs, rest) in zip(pattern.bounds, pattern.columns, strict=True):
+        size = (runs.shape[0] * RUN + rest.shape[0]) * (high - low)
+        pieces.append(_cut_runs(rows[offset : offset + size].reshape(-1, high - low)))
+        offset += size
+    return tuple(pieces)
+
+
 def _group_product(
-    values: Float[Array, "width rows *ones"],
-    columns: Int[Array | np.ndarray, "width rows"],
-    vector: Float[Array, "nodes *batch"],
-    total: Float[Array, "rows *batch"],
+    values: Runs, columns: Runs, vector: Float[Array, "nodes *batch"], total: Array
 ) -> Float[Array, "rows *batch"]:
-    """Add one group's gathers to `total`: unrolled, and wide groups in a loop of short runs."""
-    width = columns.shape[0]
-    loops = width // UNROLL if width > 4 * UNROLL else 0
-    if loops:
-        head = loops * UNROLL
-        pieces = (
-            values[:head].reshape(loops, UNROLL, *values.shape[1:]),
-            jnp.asarray(columns[:head]).reshape(loops, UNROLL, -1),
-        )
+    """Add one group's gathers to `total`: its runs in a loop, then what is left over."""
+    shape = (-1, *(1,) * (vector.ndim - 1))
 
-        def add(total: Array, piece: tuple[Array, Array]) -> tuple[Array, None]:
-            for place in range(UNROLL):
-                total = total + piece[0][place] * vector[piece[1][place]]
-            return total, None
+    def add(total: Array, piece: tuple[Array, Array]) -> tuple[Array, None]:
+        for weight, column in zip(*piece, strict=True):
+            total = total + weight.reshape(shape) * vector[column]
+        return total, None
 
-        total, _ = jax.lax.scan(add, total, pieces)
-    for place in range(loops * UNROLL, width):
-        total = total + values[place] * vector[columns[place]]
-    return total
+    runs, rest = zip(
+        jax.tree.map(jnp.asarray, values), jax.tree.map(jnp.asarray, columns), strict=True
+    )
+    if len(runs[0]):
+        total, _ = jax.lax.scan(add, total, runs)
+    return add(total, rest)[0]
 
 
 def row_product(
     pattern: Pattern,
     diagonal: Float[Array, " nodes"],
-    rows: Float[Array, " entries"],
+    pieces: tuple[Runs, ...],
     vector: Float[Array, "nodes *batch"],
 ) -> Float[Array, "nodes *batch"]:
     """Matrix times one vector, or times a batch of them laid out along the last axis."""
-    batch = (1,) * (vector.ndim - 1)
-    pieces, offset = [], 0
-    for (low, high), columns in zip(pattern.bounds, pattern.columns, strict=True):
-        width, size = columns.shape
-        values = rows[offset : offset + width * size].reshape(width, size, *batch)
-        total = diagonal[low:high].reshape(-1, *batch) * vector[low:high]
-        pieces.append(_group_product(values, columns, vector, total))
-        offset += width * size
-    return jnp.concatenate(pieces)
-
-
-def edge_product(
-    pattern: Pattern,
-    diagonal: Float[Array, " nodes"],
-    edges: Float[Array, " edges"],
-    vector: Float[Array, " nodes"],
-) -> Float[Array, " nodes"]:
-    """Matrix times vector through the edges: as cheap to transpose as to apply."""
-    ends = jnp.concatenate([pattern.first, pattern.second])
-    terms = jnp.concatenate([edges * vector[pattern.second], edges * vector[pattern.first]])
-    return (diagonal * vector).at[ends].add(terms)
-
-
-def difference_product(
-    pattern: Pattern, edges: Float[Array, " edges"], vector: Float[Array, " nodes"]
-) -> Float[Array, " nodes"]:
-    """Product with a matrix whose rows sum to zero, from differences only.
-
-    Constants give exactly zero, which keeps a body at rest at rest to the last bit.
-    """
-    flow = edges * (vector[pattern.second] - vector[pattern.first])
-    ends = jnp.concatenate([pattern.first, pattern.second])
-    return jnp.zeros_like(vector).at[ends].add(jnp.concatenate([flow, -flow]))
+    ones = (1,) * (vector.ndim - 1)
+    groups = []
+    for (low, high), columns, values in zip(pattern.bounds, pattern.columns, pieces, strict=True):
+        total = diagonal[low:high].reshape(-1, *ones) * vector[low:high]
+        groups.append(_group_product(values, columns, vector, total))
+    return jnp.concatenate(groups)

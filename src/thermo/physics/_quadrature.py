@@ -26,9 +26,7 @@ def triangle_rule(
     first, second = (8 - root + corner) / 18, (8 - root - corner) / 18
     split = np.sqrt(213125 - 53320 * root)
     weights = ((620 + split) / 3720, (620 - split) / 3720)
-    points = [
-        np.roll([1 - 2 * a, a, a], shift) for a in (first, second) for shift in range(3)
-    ]
+    points = [np.roll([1 - 2 * a, a, a], shift) for a in (first, second) for shift in range(3)]
     return np.array(points), np.repeat(weights, 3)
 
 

@@ -9,7 +9,8 @@ import jax.numpy as jnp
 import lineax as lx
 from jaxtyping import Array, Float
 
-from thermo.physics._pattern import Pattern, edge_product
+from thermo.physics._edge_product import edge_product
+from thermo.physics._pattern import Pattern
 
 
 @final
@@ -90,5 +91,3 @@ def _tridiagonal(operator: SparseOperator) -> Any:
 def frozen(values: Float[Array, "*any"]) -> Float[Array, "*any"]:
     """Padded rows without their derivative: `edges` and `diagonal` carry it."""
     return jax.lax.stop_gradient(values)
-
-

@@ -65,6 +65,12 @@ def uniform_steps(
     return _grid(ends, np.asarray(frames, float))
 
 
+def every_step(grid: TimeGrid) -> TimeGrid:
+    """The same steps, with a frame at the start and at the end of each [s]."""
+    edges = np.append(np.asarray(grid.start), grid.start[-1] + grid.size[-1])
+    return TimeGrid(grid.start, grid.size, np.arange(len(edges), dtype=np.int32), edges)
+
+
 def _inside(switches: Sequence[float], frames: Float[np.ndarray, " frames"]) -> np.ndarray:
     return np.array([t for t in switches if 0 < t < frames[-1]], float)
 

@@ -91,9 +91,7 @@ def write_inversion(
         arrays["points"], arrays[name] = surface_values(mesh, field)
     write_npz(folder / "field.npz", **arrays)
     save_estimate(folder / "estimate.npz", estimate)
-    owners = {
-        f"{name}_of_face": field.faces for name, field in estimate.fields.items()
-    }
+    owners = {f"{name}_of_face": field.faces for name, field in estimate.fields.items()}
     cells = {name: field.cells for name, field in estimate.fields.items()}
     for name, values in owners.items():
         on_cells = np.full(len(mesh.cells), np.nan)
@@ -115,5 +113,3 @@ def inversion_table(record: Mapping[str, Any]) -> str:
     first = table(rows, ["field", "unit", "median", "5 %", "95 %"])
     fits = [[name, f"{value:.4g}"] for name, value in record["fit"]["rmse"].items()]
     return f"{first}\n\n{table(fits, ['run', 'rmse [K]'])}"
-
-

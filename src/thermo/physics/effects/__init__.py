@@ -2,6 +2,7 @@
 
 from thermo.physics.effects._convection import Contact, Convection
 from thermo.physics.effects._effect import AbstractSurfaceEffect, AbstractVolumeEffect
+from thermo.physics.effects._gap import GapExchange, gap_exchange
 from thermo.physics.effects._heating import (
     Heating,
     PrescribedFlux,
@@ -20,6 +21,7 @@ __all__ = [
     "AbstractVolumeEffect",
     "Contact",
     "Convection",
+    "GapExchange",
     "Heating",
     "History",
     "LaggedRadiation",
@@ -29,6 +31,7 @@ __all__ = [
     "Radiation",
     "Schedule",
     "VolumetricSource",
+    "gap_exchange",
     "patch_profile",
     "spot_profile",
 ]

@@ -107,9 +107,7 @@ def spot_profile(
     return shape / total
 
 
-def patch_profile(
-    space: Discretisation, faces: np.ndarray
-) -> Float[np.ndarray, "faces points"]:
+def patch_profile(space: Discretisation, faces: np.ndarray) -> Float[np.ndarray, "faces points"]:
     """Profile [1/m2] of a heater that covers the given faces evenly; its integral is one."""
     shape = np.zeros(np.shape(space.face_weight))
     shape[faces] = 1.0

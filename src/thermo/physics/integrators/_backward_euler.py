@@ -40,6 +40,4 @@ class BackwardEuler(AbstractIntegrator):
     ) -> Step:
         """Nodal temperatures [K] one step of `size` [s] after `start` [s]."""
         end = within(start, size, 1.0)
-        return solve_stage(
-            balance, temperature, None, end, size, None, self.iterations, solver
-        )
+        return solve_stage(balance, temperature, None, end, size, None, self.iterations, solver)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import Any, final
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import lineax as lx
 from jaxtyping import Array, Float
@@ -72,19 +73,23 @@ def _stages(
 ) -> tuple[Float[Array, " nodes"], Float[Array, " nodes"], lx.RESULTS]:
     weight = GAMMA * size
     matrix = step_matrix(balance, temperature, weight)
-    early = within(start, size, GAMMA)
-    first, result = solve_stage(
-        balance, temperature, None, early, weight, matrix, scheme.iterations, solver
-    )
     old = equivalent(balance, temperature)
-    rise = equivalent(balance, first) - old
-    base = old + (1 - GAMMA) / GAMMA * rise
-    guess = temperature + (first - temperature) / GAMMA
-    last, outcome = solve_stage(
-        balance, guess, base, within(start, size, 1.0), weight, matrix, scheme.iterations, solver
-    )
-    result = lx.RESULTS.where(outcome == lx.RESULTS.successful, result, outcome)
-    return last, rise, result
+
+    # A scan, because a compiler takes as long again for a stage that is written out twice.
+    def stage(carry: Any, time: Any) -> Any:
+        guess, base, result = carry
+        value, outcome = solve_stage(
+            balance, guess, base, time, weight, matrix, scheme.iterations, solver
+        )
+        rise = equivalent(balance, value) - old
+        guess = temperature + (value - temperature) / GAMMA
+        result = lx.RESULTS.where(outcome == lx.RESULTS.successful, result, outcome)
+        return (guess, old + (1 - GAMMA) / GAMMA * rise, result), (value, rise)
+
+    times = jnp.stack([within(start, size, GAMMA), within(start, size, 1.0)])
+    first = (temperature, old, lx.RESULTS.successful)
+    (*_, result), (values, rises) = jax.lax.scan(stage, first, times)
+    return values[1], rises[0], result
 
 
 def step_with_error(
@@ -112,9 +117,7 @@ def step_with_error(
     slope_last = stored_heat(balance, total - (1 - GAMMA) / GAMMA * rise) / GAMMA
     slope_start = size * heat_rate(balance, temperature, within(start, size, 0.0))
     defect = (
-        early * slope_start
-        + (middle - (1 - GAMMA)) * slope_first
-        + (late - GAMMA) * slope_last
+        early * slope_start + (middle - (1 - GAMMA)) * slope_first + (late - GAMMA) * slope_last
     )
     if balance.model.prescribed is not None:
         defect = defect * balance.model.prescribed.free()

@@ -1,0 +1,184 @@
+"""A fit as it was asked for, and what it needs before it begins."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field, replace
+from typing import final
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from thermo.fields import QUANTITIES, AbstractField
+from thermo.inverse._body import (
+    Meshing,
+    make_mesh,
+    of_order,
+    scan_conductivity,
+    state,
+    surface_of,
+)
+from thermo.inverse._case import make_case, stack_cases
+from thermo.inverse._field_choice import AbstractFieldChoice
+from thermo.inverse._least_squares import LevenbergMarquardt
+from thermo.inverse._objective import FieldPrior, Objective
+from thermo.inverse._optimiser import AbstractOptimiser
+from thermo.inverse._properties import Stated
+from thermo.inverse._stepping import Stepping, fit_grid, tangent_grid
+from thermo.mesh import Mesh
+from thermo.observe import Run, Scene
+from thermo.physics import ConjugateGradient, TimeGrid, discretise
+
+FEW_UNKNOWNS = 8
+"""Up to this many unknowns [1] the exact Jacobian costs little more than the residual."""
+
+
+@final
+@dataclass(frozen=True)
+class Prior:
+    """What is believed before the data.
+
+    - `step`: standard deviation of log(phi) between neighbouring controls [1]; small is smooth.
+    - `spread`: by quantity, the standard deviation of log(phi) about its initial value [1];
+      quantities that the scene's own prior names take it from there.
+    - `decay`: weight of the squared parameters [1].
+    """
+
+    step: float = 0.3
+    spread: dict[str, float] = field(default_factory=dict)
+    decay: float = 0.0
+
+
+def _priors(
+    fields: dict[str, AbstractField],
+    pairs: dict[str, np.ndarray],
+    stated: Stated,
+    scene: Scene,
+    prior: Prior,
+) -> dict[str, FieldPrior]:
+    spread = {**scene.prior, **prior.spread}
+    return {
+        name: FieldPrior(
+            pairs=jnp.asarray(pairs[name]),
+            step=jnp.asarray(prior.step),
+            centre=jnp.asarray(stated.of(name)),
+            spread=jnp.asarray(spread.get(name, np.inf)),
+            decay=jnp.asarray(prior.decay),
+        )
+        for name in fields
+    }
+
+
+@final
+@dataclass(frozen=True)
+class Task:
+    """Everything that was asked of a fit."""
+
+    scene: Scene
+    runs: tuple[Run, ...]
+    names: tuple[str, ...]
+    choice: AbstractFieldChoice
+    optimiser: AbstractOptimiser
+    prior: Prior
+    stepping: Stepping
+    meshing: Meshing
+    stages: str
+    initial: dict[str, float]
+    seed: int
+    model_error: float
+
+    def key(self) -> str:
+        """A hash that another fit does not share."""
+        asked = (self.names, self.choice, self.optimiser, self.prior, self.stepping)
+        where = (replace(self.meshing, cache=None), self.stages, sorted(self.initial.items()))
+        scene = self.scene
+        body = (scene.material, scene.convection, scene.emissivity, scene.unit, scene.prior)
+        digest = hashlib.sha256(repr((asked, where, body, self.seed, self.model_error)).encode())
+        digest.update(scene.surface_path.read_bytes())
+        for run in self.runs:
+            record = run.recording
+            around = (run.initial_temperature, run.ambient_temperature, run.radiation_temperature)
+            held = [(i.box_min, i.box_max, i.time, i.temperature) for i in run.prescribed]
+            digest.update(repr((run.name, around, run.heater)).encode())
+            for array in (
+                record.points,
+                record.time,
+                record.temperature,
+                record.valid,
+                *sum(held, ()),
+            ):
+                digest.update(np.ascontiguousarray(array).tobytes())
+        return digest.hexdigest()[:16]
+
+
+@final
+@dataclass(frozen=True)
+class Ready:
+    """The body of a fit: mesh, stated values, fields with their priors, steps of each run."""
+
+    mesh: Mesh
+    stated: Stated
+    fields: dict[str, AbstractField]
+    priors: dict[str, FieldPrior]
+    grids: dict[str, TimeGrid]
+
+
+def prepare(task: Task) -> Ready:
+    """Mesh the body [m], lay out its fields and plan the steps of each run [s]."""
+    scene, initial = task.scene, task.initial
+    surface = surface_of(scene)
+    guess = 1.0
+    if scene.material.conductivity is None and not {"conductivity", "diffusivity"} & set(initial):
+        guess = scan_conductivity(scene, surface, list(task.runs), task.meshing)
+    stated = state(scene, initial, guess)
+    mesh = make_mesh(scene, surface, stated.of("diffusivity"), task.meshing)
+    fields, pairs = {}, {}
+    for number, name in enumerate(task.names):
+        made = task.choice.make(QUANTITIES[name], mesh, stated.of(name), task.seed + number)
+        fields[name], pairs[name] = made
+    priors = _priors(fields, pairs, stated, scene, task.prior)
+    grids = {run.name: fit_grid(mesh, stated, run, task.stepping) for run in task.runs}
+    return Ready(mesh, stated, fields, priors, grids)
+
+
+def make_objective(task: Task, ready: Ready, order: int) -> Objective:
+    """The objective on cells of an order [1], with coarse tangents where they are wanted."""
+    unknowns = sum(
+        leaf.size for field in ready.fields.values() for leaf in jax.tree.leaves(field.parameters())
+    )
+    wanted = task.meshing.coarse_tangents
+    coarse = unknowns > FEW_UNKNOWNS if wanted is None else wanted
+    tangents = None
+    if coarse and isinstance(task.optimiser, LevenbergMarquardt):
+        steps = {
+            run.name: tangent_grid(ready.mesh, ready.stated, run, task.stepping)
+            for run in task.runs
+        }
+        tangents = _plain(task, ready, 1, steps)
+    return replace(_plain(task, ready, order, {}), tangents=tangents)
+
+
+def _plain(task: Task, ready: Ready, order: int, steps: dict[str, TimeGrid | None]) -> Objective:
+    space = discretise(of_order(ready.mesh, order))
+    cases = [
+        make_case(
+            run,
+            space,
+            ready.grids[run.name],
+            steps=steps.get(run.name),
+            model_error=task.model_error,
+            where=f"{task.scene.folder}: runs.{run.name}.recording",
+        )
+        for run in task.runs
+    ]
+    return Objective(
+        space,
+        ready.stated,
+        ready.fields,
+        ready.priors,
+        stack_cases(cases),
+        task.stepping.integrator,
+        ConjugateGradient(rtol=task.stepping.rtol),
+        task.stepping.lagged,
+    )

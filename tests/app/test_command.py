@@ -1,0 +1,84 @@
+"""The installed console script, and a fit that is killed."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from .conftest import SMALL, Command
+
+SCRIPT = Path(sysconfig.get_path("scripts")) / "thermo"
+
+KILL = """
+import os, signal, sys
+from thermo.app import main
+from thermo.report import Progress
+
+def die(self, step, loss=None):
+    if step == 2:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+Progress.update = die
+sys.argv = ["thermo", *sys.argv[1:]]
+main()
+"""
+
+
+@pytest.mark.parametrize(
+    "words", [("invert",), ("predict", "estimate=nowhere"), ("simulate", "run=lamp")]
+)
+def test_the_console_script_refuses_with_code_two(words: tuple[str, ...], tmp_path: Path) -> None:
+    verb, *more = words
+    ended = subprocess.run(
+        [SCRIPT, verb, "data=nowhere", *more], cwd=tmp_path, capture_output=True, text=True,
+        timeout=120, check=False,
+    )  # fmt: skip
+    assert ended.returncode == 2 and ended.stdout == ""
+    assert ended.stderr.startswith(f"thermo {verb}: nowhere/scene.json: file not found\n")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_killed_fit_leaves_nothing_half_written_and_goes_on(
+    fit: Path, command: Command, block: Path, cache: str, tmp_path: Path
+) -> None:
+    killed = tmp_path / "killed"
+    words = ["invert", f"data={block}", cache, *SMALL]
+    ended = subprocess.run(
+        [sys.executable, "-c", KILL, *words, f"out={killed}"], cwd=tmp_path, capture_output=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}, timeout=300, check=False,
+    )  # fmt: skip
+    assert ended.returncode == -9, ended.stderr.decode()
+    assert [path.name for path in killed.iterdir()] == ["checkpoint.npz"]
+    with np.load(killed / "checkpoint.npz", allow_pickle=False) as stored:
+        assert len(stored["losses"]) == 2
+    outcome = command(*words, f"out={killed}")
+    assert outcome.code == 0, outcome.err
+    mine, theirs = (json.loads((at / "result.json").read_text()) for at in (killed, fit))
+    assert np.allclose(mine["fit"]["loss"], theirs["fit"]["loss"], rtol=1e-10, atol=0)
+    assert len(mine["fit"]["loss"][0]) == 3
+    for key in ("median", "p05", "p95"):
+        wanted = theirs["fields"]["conductivity"][key]
+        assert mine["fields"]["conductivity"][key] == pytest.approx(wanted, rel=1e-10)
+    assert not (killed / "checkpoint.npz").exists()
+
+
+def test_a_stopped_fit_says_how_to_go_on(
+    command: Command, block: Path, cache: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from thermo.report import Progress
+
+    def stop(self: Progress, step: int, loss: float | None = None) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Progress, "update", stop)
+    out = tmp_path / "out"
+    outcome = command("invert", f"data={block}", cache, *SMALL, f"out={out}")
+    assert outcome.code == 130 and "the same command goes on" in outcome.err
+    assert [path.name for path in out.iterdir()] == ["checkpoint.npz"]

@@ -1,0 +1,146 @@
+"""The three verbs from end to end, and the files that other programs rely on."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+from box_scene import FRAMES, sample_points
+
+from .conftest import SMALL, Command
+
+COARSE = ("mesh=tet4", "mesh.max_nodes=1500", "tolerance=0.05")
+PNG = b"\x89PNG"
+
+
+def result(folder: Path) -> dict[str, Any]:
+    return json.loads((folder / "result.json").read_text())
+
+
+def check_figures(folder: Path, names: list[str]) -> None:
+    for name in names:
+        data = (folder / name).read_bytes()
+        assert data.startswith(PNG) and len(data) > 5000, name
+
+
+def check_recording(folder: Path, name: str) -> np.ndarray:
+    with np.load(folder / f"{name}.npz", allow_pickle=False) as stored:
+        assert sorted(stored) == ["points", "temperature", "time"]
+        assert np.allclose(stored["points"], sample_points())
+        assert np.array_equal(stored["time"], FRAMES)
+        temperature = stored["temperature"]
+    assert temperature.shape == (len(FRAMES), len(sample_points()))
+    assert np.isfinite(temperature).all() and np.allclose(temperature[0], 295.0, atol=1e-6)
+    return temperature
+
+
+def check_series(folder: Path, name: str) -> None:
+    text = (folder / f"{name}.pvd").read_text()
+    files = sorted((folder / name).iterdir())
+    assert len(files) == text.count("<DataSet") == 13
+    assert all(f'file="{name}/{file.name}"' in text for file in files)
+    grid = meshio.read(files[-1])
+    assert grid.point_data["temperature"].shape == (len(grid.points),)
+    assert grid.point_data["temperature"].max() > 296
+
+
+def test_invert_leaves_the_result_of_the_contract(fit: Path) -> None:
+    found = result(fit)
+    field = found["fields"]["conductivity"]
+    assert set(field) == {"unit", "median", "p05", "p95"} and field["unit"] == "W/m/K"
+    assert 1e-3 < field["p05"] <= field["median"] <= field["p95"] < 2.4
+    assert set(found["fit"]["rmse"]) == {"lamp", "cooling"}
+    assert all(0 < value < 10 for value in found["fit"]["rmse"].values())
+    assert found["success"] is True and found["seconds"] > 0
+    assert found["mesh"]["order"] == 1 and found["verb"] == "invert"
+    assert len(found["fit"]["loss"][0]) == 3
+    assert found["configuration"]["optimiser"]["kind"] == "adam"
+    assert {"thermofield", "jax", "numpy"} <= set(found["versions"])
+
+
+def test_invert_leaves_field_and_figures(fit: Path) -> None:
+    found = result(fit)
+    with np.load(fit / "field.npz", allow_pickle=False) as stored:
+        assert sorted(stored) == ["conductivity", "points"]
+        points, values = stored["points"], stored["conductivity"]
+    assert points.shape == (len(values), 3) and len(values) > 50
+    assert points.min() > -1e-9 and np.allclose(points.max(0), [0.020, 0.012, 0.008])
+    assert np.allclose(values, found["fields"]["conductivity"]["median"])
+    grid = meshio.read(fit / "field.vtu")
+    assert np.allclose(grid.cell_data["conductivity"][0], values[0])
+    check_figures(
+        fit,
+        ["field_conductivity.png", "history.png"]
+        + [f"{kind}_{run}.png" for kind in ("curves", "residual") for run in ("lamp", "cooling")],
+    )
+    leftover = [path.name for path in fit.iterdir() if path.name.startswith((".", "tmp"))]
+    assert leftover == [] and not (fit / "checkpoint.npz").exists()
+
+
+def test_invert_says_what_it_found(fit: Path) -> None:
+    said = (fit.parent / "said").read_text()
+    assert "conductivity" in said and "W/m/K" in said and "rmse [K]" in said
+    assert str(fit / "result.json") in said and "mm deep" in said
+
+
+def test_predict_scores_the_held_out_run(
+    fit: Path, command: Command, block: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "predicted"
+    outcome = command("predict", f"data={block}", f"estimate={fit}", f"out={out}", "tolerance=0.05")
+    assert outcome.code == 0, outcome.err
+    temperature = check_recording(out, "test_lamp")
+    check_series(out, "test_lamp")
+    check_figures(out, ["curves_test_lamp.png", "residual_test_lamp.png"])
+    scores = result(out)["scores"]
+    assert set(scores) == {"test_lamp"} and set(scores["test_lamp"]) == {"spatial", "median"}
+    with np.load(block / "test_lamp.npz", allow_pickle=False) as stored:
+        difference = np.abs(temperature - stored["temperature"])
+    assert scores["test_lamp"]["spatial"] == pytest.approx(
+        {
+            "mae": np.nanmean(difference),
+            "rmse": np.sqrt(np.nanmean(difference**2)),
+            "max": np.nanmax(difference),
+        },
+        rel=1e-9,
+    )
+    assert "test_lamp" in outcome.out and "mae [K]" in outcome.out
+
+
+def test_simulate_takes_the_values_of_the_command_line(
+    command: Command, block: Path, cache: str, tmp_path: Path
+) -> None:
+    out = tmp_path / "simulated"
+    words = ("simulate", f"data={block}", "run=lamp", f"out={out}", cache, *COARSE)
+    outcome = command(*words, "material.conductivity=2.4")
+    assert outcome.code == 0, outcome.err
+    temperature = check_recording(out, "lamp")
+    check_series(out, "lamp")
+    check_figures(out, ["curves_lamp.png", "residual_lamp.png"])
+    found = result(out)
+    assert set(found["scores"]["lamp"]) == {"stated"} and found["verb"] == "simulate"
+    assert found["configuration"]["material"]["conductivity"] == 2.4
+    more = ("material.conductivity=2.4", "surface_exchange.convection=100")
+    assert command(*words, *more).code == 0
+    windy = check_recording(out, "lamp")
+    # The air takes away much more, most of it after the lamp is out.
+    assert 0.1 < (windy[-1] - 295).mean() / (temperature[-1] - 295).mean() < 0.8
+
+
+def test_a_multirun_makes_a_folder_for_each_seed(
+    fit: Path, command: Command, block: Path, cache: str, tmp_path: Path
+) -> None:
+    out = tmp_path / "sweep"
+    # The first fit's words, so that nothing is compiled again.
+    outcome = command("invert", "-m", f"data={block}", f"out={out}", cache, *SMALL, "seed=0,1")
+    assert outcome.code == 0, outcome.err
+    assert sorted(path.name for path in out.iterdir() if path.is_dir()) == ["seed=0", "seed=1"]
+    for seed in (0, 1):
+        found = result(out / f"seed={seed}")
+        assert found["configuration"]["seed"] == seed
+        assert found["fields"] == result(fit)["fields"], "a uniform field knows no seed"
+    assert list(Path.cwd().iterdir()) == [], "nothing is left in the working folder"

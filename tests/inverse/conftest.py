@@ -1,0 +1,50 @@
+"""Scenes, meshes and fits that several tests share."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+from box_scene import write_block
+
+from thermo.inverse import Estimate, Meshing, Stepping, invert
+from thermo.observe import Scene, read_scene
+
+START = {"conductivity": 2.4}
+
+
+@pytest.fixture(scope="session")
+def block(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of the block without radiation; read only."""
+    return write_block(tmp_path_factory.mktemp("block"))
+
+
+@pytest.fixture
+def own(block: Path, tmp_path: Path) -> Path:
+    """A copy of the block's folder that a test may change."""
+    return Path(shutil.copytree(block, tmp_path / "own"))
+
+
+@pytest.fixture(scope="session")
+def scene(block: Path) -> Scene:
+    return read_scene(block)
+
+
+@pytest.fixture(scope="session")
+def meshing(tmp_path_factory: pytest.TempPathFactory) -> Meshing:
+    """Linear cells, few of them."""
+    return Meshing(order=1, max_nodes=1500, cache=tmp_path_factory.mktemp("meshes"))
+
+
+@pytest.fixture(scope="session")
+def stepping() -> Stepping:
+    """Long steps."""
+    return Stepping(tolerance=0.05)
+
+
+@pytest.fixture(scope="session")
+def fitted(block: Path, meshing: Meshing, stepping: Stepping) -> Estimate:
+    """Conductivity of the block on quadratic cells, from three times the true value."""
+    quadratic = Meshing(order=2, max_nodes=meshing.max_nodes, cache=meshing.cache)
+    return invert(block, initial=START, meshing=quadratic, stepping=stepping)

@@ -1,0 +1,127 @@
+"""A run made ready for a fit: data without the offsets, weights, stacking of unequal runs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import jax
+import numpy as np
+import pytest
+
+from thermo.errors import InputError
+from thermo.inverse._case import Case, make_case, stack_cases
+from thermo.observe import Recording, Run, Scene, estimate_noise
+from thermo.physics import discretise, uniform_steps
+
+from .objectives import MESH, case
+
+SPACE = discretise(MESH)
+
+
+def recorded(run: Run, *, quiet: np.ndarray | None = None, shift: float = 0.0) -> Run:
+    old = run.recording
+    values = np.where(old.valid, old.temperature + shift, np.nan)
+    return replace(run, recording=Recording(old.points, old.time, values, None, quiet))
+
+
+def test_a_constant_error_known_from_quiet_frames_is_taken_off(scene: Scene) -> None:
+    run = scene.runs["lamp"]
+    samples = len(run.recording.points)
+    wave = np.linspace(-0.4, 0.5, samples)
+    ripple = 0.01 * np.resize([1.0, -1.0], 6)[:, None]
+    quiet = run.initial_temperature + wave + ripple
+    old = run.recording
+    values = np.where(old.valid, old.temperature + wave, np.nan)
+    shifted = replace(run, recording=Recording(old.points, old.time, values, None, quiet))
+    plain = recorded(run, quiet=run.initial_temperature + np.zeros(samples) + ripple)
+    used = np.asarray(old.valid)
+    found, wanted = np.asarray(case(shifted).data), np.asarray(case(plain).data)
+    assert np.allclose(found[used], wanted[used], atol=1e-10)
+
+
+def test_two_quiet_frames_are_too_few_for_an_offset(scene: Scene) -> None:
+    run = scene.runs["lamp"]
+    samples = len(run.recording.points)
+    few = recorded(run, quiet=np.full((2, samples), run.initial_temperature + 1.0))
+    assert np.array_equal(np.asarray(case(few).data), few.recording.temperature)
+
+
+def test_a_sample_that_is_never_quiet_keeps_its_values(scene: Scene) -> None:
+    run = scene.runs["lamp"]
+    quiet = np.full((5, len(run.recording.points)), run.initial_temperature + 1.0)
+    quiet += 0.01 * np.resize([1.0, -1.0], 5)[:, None]
+    with_hole = quiet.copy()
+    with_hole[:, 4] = np.nan
+    made = case(recorded(run, quiet=with_hole))
+    difference = run.recording.temperature - np.asarray(made.data)
+    assert np.allclose(difference[:, 4], 0.0)
+    assert np.allclose(np.delete(difference, 4, axis=1), quiet[:, 0].mean() - 295.0)
+
+
+def test_weights_are_one_over_the_deviation_and_zero_without_data(scene: Scene) -> None:
+    run = scene.runs["lamp"]
+    noise = estimate_noise(run.recording)
+    r = min(max(noise.correlation, 0.0), 0.95)
+    white = noise.white * np.sqrt((1 + r) / (1 - r))
+    weight = np.asarray(case(run).weight)
+    assert np.allclose(weight[run.recording.valid], (white**2 + 0.01**2) ** -0.5, rtol=1e-12)
+    assert not run.recording.valid[5, 3]
+    assert np.all(weight[~run.recording.valid] == 0)
+    assert (weight == 0).sum() == 3
+    assert np.isfinite(np.asarray(case(run).data)).all()
+
+
+def test_a_case_takes_the_frames_of_its_grid(scene: Scene) -> None:
+    run = scene.runs["lamp"]
+    some = run.recording.time[[0, 3, 4, 20]]
+    made = make_case(
+        run, SPACE, uniform_steps(some, 5.0), model_error=0.01, where="scene.json"
+    )  # fmt: skip
+    assert made.data.shape == (4, len(run.recording.points))
+    whole = case(run)
+    assert np.array_equal(np.asarray(made.data), np.asarray(whole.data)[[0, 3, 4, 20]])
+    assert np.array_equal(np.asarray(made.weight), np.asarray(whole.weight)[[0, 3, 4, 20]])
+
+
+def test_samples_away_from_the_surface_are_refused(scene: Scene) -> None:
+    run = scene.runs["lamp"]
+    old = run.recording
+    far = Recording(old.points + [0.0, 0.0, 1.0], old.time, old.temperature, old.valid)
+    with pytest.raises(InputError) as caught:
+        case(replace(run, recording=far))
+    assert "scene.json" in caught.value.where
+
+
+def unequal(scene: Scene) -> list[Case]:
+    """Two runs with other numbers of frames, samples and steps."""
+    lamp, cooling = scene.runs["lamp"], scene.runs["cooling"]
+    old = cooling.recording
+    fewer = Recording(
+        old.points[:20], old.time[:13], old.temperature[:13, :20], old.valid[:13, :20]
+    )
+    return [case(lamp), case(replace(cooling, recording=fewer), size=9.0)]
+
+
+def test_stacked_runs_are_padded_with_steps_of_no_time_and_data_of_no_weight(scene: Scene) -> None:
+    cases = unequal(scene)
+    (stacked,) = stack_cases(cases)
+    assert len({len(one.grid.start) for one in cases}) == 2
+    assert stacked.data.shape == (2, 21, 30)
+    for number, one in enumerate(cases):
+        mine = jax.tree.map(lambda leaf, n=number: np.asarray(leaf)[n], stacked)
+        frames, samples = one.data.shape
+        steps = len(one.grid.start)
+        assert np.array_equal(mine.data[:frames, :samples], np.asarray(one.data))
+        assert np.array_equal(mine.weight[:frames, :samples], np.asarray(one.weight))
+        assert np.all(mine.weight[frames:] == 0) and np.all(mine.weight[:, samples:] == 0)
+        assert np.all(mine.grid.size[steps:] == 0)
+        assert mine.grid.size.sum() == pytest.approx(np.sum(one.grid.size), rel=1e-12)
+        assert np.all(np.diff(mine.grid.start) >= 0) and np.all(np.diff(mine.grid.frame_step) >= 0)
+
+
+def test_runs_of_another_structure_are_not_stacked(scene: Scene) -> None:
+    lamp, cooling = case(scene.runs["lamp"]), case(scene.runs["cooling"])
+    profile = lamp.under.profile[:-1]
+    other = replace(cooling, under=replace(cooling.under, profile=profile))
+    groups = stack_cases([lamp, other, case(scene.runs["test_lamp"])])
+    assert [len(group.data) for group in groups] == [2, 1]

@@ -1,0 +1,192 @@
+"""Fits of the block, whose data another code made on another mesh with other steps."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import jax
+import numpy as np
+import pytest
+from box_scene import CONDUCTIVITY, NOISE, edit
+
+from thermo.errors import InputError
+from thermo.inverse import Adam, Estimate, Meshing, OnControlPoints, Stepping, invert
+from thermo.inverse import _invert as module
+from thermo.observe import Scene, read_scene
+from thermo.physics.integrators import BackwardEuler
+
+from .conftest import START
+from .walk import Walk
+
+LONG = Stepping(integrator=BackwardEuler(), size=1.5)
+TWO = ("lamp", "cooling")
+
+
+def descend(data: Path | Scene, meshing: Meshing, **more: Any) -> Estimate:
+    """Four epochs on two runs: every call runs the same compiled program."""
+    return invert(
+        data, runs=TWO, initial=START, optimiser=Adam(max_steps=4, rate=0.2), stepping=LONG,
+        meshing=meshing, **more,
+    )  # fmt: skip
+
+
+def stroll(data: Path | Scene, meshing: Meshing, **more: Any) -> Estimate:
+    """A fit that never simulates."""
+    settings = {"initial": START, "stepping": LONG, "meshing": meshing, "optimiser": Walk()}
+    return invert(data, **{**settings, **more})
+
+
+@pytest.fixture
+def unsimulated(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave out the simulation of the runs at the end of a fit."""
+    monkeypatch.setattr(module, "run_fits", lambda *_: {})
+
+
+@pytest.fixture(scope="session")
+def plain(block: Path, meshing: Meshing) -> Estimate:
+    return descend(block, meshing)
+
+
+def test_uniform_conductivity_from_two_shared_runs(fitted: Estimate) -> None:
+    field = fitted.fields["conductivity"]
+    assert np.ptp(field.cells) == 0 and field.unit == "W/m/K"
+    assert field.cells[0] == field.faces[0] == pytest.approx(CONDUCTIVITY, rel=0.02)
+    assert abs(field.cells[0] / START["conductivity"] - 1) > 0.6, "it came a long way"
+    assert fitted.success and fitted.order == 2
+    assert len(fitted.history[0]) <= 12
+
+
+def test_only_runs_that_are_not_held_out_were_fitted(fitted: Estimate, scene: Scene) -> None:
+    assert list(fitted.runs) == ["lamp", "cooling"]
+    for name, run in fitted.runs.items():
+        recording = scene.runs[name].recording
+        assert np.array_equal(run.points, recording.points)
+        picked = np.searchsorted(recording.time, run.time - 1e-9)
+        assert np.array_equal(np.isfinite(run.measured), recording.valid[picked])
+        difference = (run.simulated - run.measured)[np.isfinite(run.measured)]
+        assert run.rmse == pytest.approx(np.sqrt(np.mean(difference**2)), rel=1e-12)
+        assert 0.8 * NOISE < run.rmse < 0.06
+
+
+def test_the_fit_says_how_well_the_skin_is_resolved(fitted: Estimate) -> None:
+    assert "mm deep" in fitted.resolution and fitted.seconds > 0
+
+
+def test_a_descent_lowers_the_loss(plain: Estimate) -> None:
+    (history,) = plain.history
+    assert len(history) == 4 and np.all(np.diff(history) < 0)
+    assert plain.fields["conductivity"].cells[0] < START["conductivity"]
+
+
+def test_truth_is_never_read(own: Path, plain: Estimate, meshing: Meshing) -> None:
+    edit(own, truth={"conductivity": -1e30, "field": "no-such-file.npz", "unit": ["nonsense"]})
+    again = descend(own, meshing)
+    assert again.history == plain.history
+    mine, theirs = again.fields["conductivity"], plain.fields["conductivity"]
+    assert np.array_equal(mine.cells, theirs.cells)
+    for name in TWO:
+        assert np.array_equal(again.runs[name].simulated, plain.runs[name].simulated)
+
+
+def test_the_held_out_run_does_not_enter(own: Path, plain: Estimate, meshing: Meshing) -> None:
+    shutil.copy(own / "lamp.npz", own / "test_lamp.npz")
+    assert descend(own, meshing).history == plain.history
+
+
+@pytest.mark.parametrize("after", [1, 3])
+def test_an_interrupted_fit_goes_on_as_if_it_had_not_been(
+    after: int, block: Path, plain: Estimate, meshing: Meshing, tmp_path: Path
+) -> None:
+    file = tmp_path / "checkpoint.npz"
+
+    def stop(number: int, most: int, value: float) -> None:
+        if number == after:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        descend(block, meshing, checkpoint=file, on_step=stop)
+    told: list[int] = []
+    resumed = descend(block, meshing, checkpoint=file, on_step=lambda n, *_: told.append(n))
+    assert told == list(range(after + 1, 5))
+    assert np.allclose(resumed.history[0], plain.history[0], rtol=1e-10, atol=0)
+    mine, theirs = resumed.fields["conductivity"], plain.fields["conductivity"]
+    assert np.allclose(mine.cells, theirs.cells, rtol=1e-10, atol=0)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.usefixtures("unsimulated")
+def test_the_second_stage_starts_from_exactly_the_first_ones_field(
+    block: Path, meshing: Meshing
+) -> None:
+    walk = Walk()
+    estimate = stroll(
+        block, meshing, stages="tet4_tet10", optimiser=walk, choice=OnControlPoints(count=4)
+    )
+    first, second = walk.seen[:3], walk.seen[3:]
+    assert [np.shape(o.space.mesh.cells)[1] for o, _ in first] == [4, 4, 4]
+    assert [np.shape(o.space.mesh.cells)[1] for o, _ in second] == [10, 10, 10]
+    # The same fields on the same linear mesh: the parameters mean the same.
+    for mine, theirs in zip(
+        jax.tree.leaves(first[0][0].fields), jax.tree.leaves(second[0][0].fields), strict=True
+    ):
+        assert np.array_equal(mine, theirs)
+    left = np.asarray(first[-1][1]["conductivity"]) + 0.1
+    assert np.array_equal(np.asarray(second[0][1]["conductivity"]), left)
+    assert estimate.order == 2 and len(estimate.history) == 2
+
+
+@pytest.mark.usefixtures("unsimulated")
+@pytest.mark.parametrize(
+    "other", [{"seed": 1}, {"model_error": 0.02}, {"initial": {"conductivity": 2.0}}, {"data": 1}]
+)
+def test_a_checkpoint_is_not_taken_up_by_another_question(
+    other: dict[str, Any], scene: Scene, meshing: Meshing, tmp_path: Path
+) -> None:
+    file = tmp_path / "checkpoint.npz"
+
+    def stop(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        stroll(scene, meshing, checkpoint=file, on_step=stop)
+    if "data" in other:
+        run = scene.runs["cooling"]
+        cooler = replace(run, initial_temperature=run.initial_temperature - 1.0)
+        scene, other = replace(scene, runs={**scene.runs, "cooling": cooler}), {}
+    with pytest.raises(InputError, match="belongs to another fit"):
+        stroll(scene, meshing, checkpoint=file, **other)
+    assert file.exists()
+
+
+@pytest.mark.usefixtures("unsimulated")
+def test_a_conductivity_that_nobody_states_is_looked_for(own: Path, meshing: Meshing) -> None:
+    table = {"name": "epoxy", "density": 1100.0, "heat_capacity": 1400.0, "conductivity": None}
+    scene = read_scene(edit(own, material=table))
+    found = stroll(scene, meshing, runs=("lamp",), initial=None)
+    assert found.stated.conductivity == 1.0, "of 0.03, 0.1, 0.3, 1, 3, ... the nearest to 0.8"
+
+
+@pytest.mark.parametrize("value", [-1.0, 0.0, float("nan"), float("inf")])
+def test_an_initial_value_that_makes_no_sense_is_refused(value: float, scene: Scene) -> None:
+    with pytest.raises(InputError, match="not positive") as caught:
+        invert(scene, initial={"conductivity": value})
+    assert caught.value.where == "initial.conductivity"
+
+
+def test_names_are_checked_before_any_work(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    def worked(*_: object) -> None:
+        raise AssertionError("work began")
+
+    monkeypatch.setattr(module, "prepare", worked)
+    wrong: list[dict[str, Any]] = [
+        {"runs": ("nope",)},
+        {"runs": ("test_lamp",)},
+        {"unknown": ("nope",)},
+        {"unknown": ("conductivity", "diffusivity")},
+    ]
+    for more in wrong:
+        with pytest.raises(InputError):
+            invert(scene, **more)

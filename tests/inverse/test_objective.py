@@ -1,0 +1,128 @@
+"""The whitened residual by hand, and its derivatives in every mode."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from jax.flatten_util import ravel_pytree
+
+from thermo.fields import cell_values
+from thermo.inverse._case import Case
+from thermo.inverse._first_order import loss
+from thermo.inverse._objective import (
+    Objective,
+    Parameters,
+    case_temperatures,
+    jacobian,
+    penalty,
+    residual,
+    start,
+    with_fields,
+)
+from thermo.observe import Recording, Scene
+
+from .objectives import beliefs, case, measured, moved
+
+
+@pytest.fixture(scope="module")
+def cases(scene: Scene) -> list[Case]:
+    """Two runs, the second with fewer frames and samples."""
+    cooling = scene.runs["cooling"]
+    old = cooling.recording
+    part = Recording(old.points[:8], old.time[:9], old.temperature[:9, :8], old.valid[:9, :8])
+    return [case(scene.runs["lamp"], 15.0), case(replace(cooling, recording=part), 15.0)]
+
+
+@pytest.fixture(scope="module")
+def objective(cases: list[Case]) -> Objective:
+    return measured(cases)
+
+
+@pytest.fixture(scope="module")
+def point(objective: Objective) -> Parameters:
+    return moved(objective)
+
+
+@pytest.fixture(scope="module")
+def value(objective: Objective, point: Parameters) -> np.ndarray:
+    return np.asarray(eqx.filter_jit(residual)(objective, point))
+
+
+@pytest.fixture(scope="module")
+def dense(objective: Objective, point: Parameters) -> tuple[np.ndarray, np.ndarray]:
+    found = eqx.filter_jit(jacobian)(objective, point)
+    return np.asarray(found[0]), np.asarray(found[1])
+
+
+def test_the_residual_is_misfit_times_weight_then_priors(
+    objective: Objective, point: Parameters, value: np.ndarray, cases: list[Case]
+) -> None:
+    fields = with_fields(objective, point)
+    place = 0
+    solve = eqx.filter_jit(case_temperatures)
+    for one in cases:
+        simulated = np.asarray(solve(objective, fields, one))
+        data, weight = np.asarray(one.data), np.asarray(one.weight)
+        frames, samples = data.shape
+        # Groups are padded to 21 frames and 30 samples; what is padded counts for nothing.
+        padded = value[place : place + 21 * 30].reshape(21, 30)
+        wanted = (simulated - data) * weight
+        assert np.abs(wanted).max() > 10
+        # Padded steps shorten no time, so that only the solver's tolerance differs.
+        assert np.allclose(padded[:frames, :samples], wanted, rtol=0, atol=1e-6)
+        assert np.all(padded[frames:] == 0) and np.all(padded[:, samples:] == 0)
+        place += 21 * 30
+    assert np.allclose(value[place:], np.asarray(penalty(objective, point)), rtol=1e-12)
+
+
+def test_the_priors_by_hand() -> None:
+    problem = beliefs()
+    point = moved(problem)
+    terms = []
+    for name, field in with_fields(problem, point).items():
+        prior = problem.priors[name]
+        log = np.log(np.asarray(field.control_values()))
+        i, j = np.asarray(prior.pairs).T
+        terms += [(log[i] - log[j]) / 0.3]
+        terms += [[(log.mean() - np.log(float(prior.centre))) / 0.1]]
+        terms += [np.sqrt(0.3) * np.asarray(point[name])]
+    assert np.allclose(np.asarray(penalty(problem, point)), np.concatenate(terms), rtol=1e-12)
+
+
+def test_the_jacobian_agrees_with_one_tangent_at_a_time(
+    objective: Objective, point: Parameters, value: np.ndarray, dense: Any
+) -> None:
+    flat, unravel = ravel_pytree(point)
+
+    @jax.jit
+    def push(way: Any) -> Any:
+        return jax.jvp(lambda p: residual(objective, unravel(p)), (flat,), (way,))[1]
+
+    assert np.allclose(dense[0], value, rtol=0, atol=1e-6)
+    assert dense[1].shape == (len(value), 3)
+    scale = np.abs(dense[1]).max()
+    for number in range(3):
+        column = np.asarray(push(jnp.eye(3)[number]))
+        assert np.abs(column).max() > 1e-3 * scale
+        assert np.abs(dense[1][:, number] - column).max() < 1e-8 * scale
+
+
+def test_the_gradient_agrees_with_the_jacobian(
+    objective: Objective, point: Parameters, dense: Any
+) -> None:
+    slope = eqx.filter_jit(eqx.filter_grad(lambda p, o: loss(o, p)))(point, objective)
+    wanted = dense[1].T @ dense[0]
+    assert np.abs(np.asarray(slope["conductivity"]) - wanted).max() < 1e-6 * np.abs(wanted).max()
+
+
+def test_fields_with_the_starting_parameters_are_the_fields(objective: Objective) -> None:
+    again = with_fields(objective, start(objective))["conductivity"]
+    assert np.array_equal(
+        np.asarray(cell_values(again)), np.asarray(cell_values(objective.fields["conductivity"]))
+    )

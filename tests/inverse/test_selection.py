@@ -1,0 +1,59 @@
+"""Which runs and unknowns are taken, and names that are refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from thermo.errors import InputError
+from thermo.inverse._selection import select_fit_runs, select_runs, select_unknowns
+from thermo.observe import Scene
+
+
+def test_held_out_runs_are_predicted_and_never_fitted_by_default(scene: Scene) -> None:
+    assert [run.name for run in select_fit_runs(scene, None)] == ["lamp", "cooling"]
+    assert [run.name for run in select_runs(scene, None, held_out=True)] == ["test_lamp"]
+
+
+def test_named_runs_keep_their_order_and_come_once(scene: Scene) -> None:
+    names = ("cooling", "lamp", "cooling")
+    assert [run.name for run in select_fit_runs(scene, names)] == ["cooling", "lamp"]
+
+
+def test_a_held_out_run_is_not_fitted_even_by_name(scene: Scene) -> None:
+    with pytest.raises(InputError, match="held out") as caught:
+        select_fit_runs(scene, ("lamp", "test_lamp"))
+    assert "runs.test_lamp" in caught.value.where and "predict" in caught.value.remedy
+
+
+def test_an_unknown_run_is_named_with_those_there_are(scene: Scene) -> None:
+    with pytest.raises(InputError, match="unknown run") as caught:
+        select_runs(scene, ("lamp", "nope", "neither"), held_out=False)
+    assert caught.value.value == "nope, neither"
+    assert caught.value.limit == "lamp, cooling, test_lamp"
+    assert "runs=[" in caught.value.remedy and str(scene.folder) in caught.value.where
+
+
+@pytest.mark.parametrize("names", [(), None])
+def test_nothing_to_work_on_is_refused(names: tuple[str, ...] | None, scene: Scene) -> None:
+    fitted = {n: run for n, run in scene.runs.items() if run.held_out}
+    with pytest.raises(InputError, match="no run is left"):
+        select_runs(replace(scene, runs=fitted), names, held_out=False)
+
+
+def test_the_scene_says_what_is_unknown_unless_told(scene: Scene) -> None:
+    assert select_unknowns(scene, None) == ("conductivity",)
+    names = ("emissivity", "convection", "emissivity")
+    assert select_unknowns(scene, names) == ("emissivity", "convection")
+
+
+@pytest.mark.parametrize(
+    ("names", "value"), [(("conductivty",), "conductivty"), ((), "an empty list")]
+)
+def test_an_unknown_quantity_is_refused(names: tuple[str, ...], value: str, scene: Scene) -> None:
+    with pytest.raises(InputError) as caught:
+        select_unknowns(scene, names)
+    assert (caught.value.where, caught.value.value) == ("unknown", value)
+    assert "conductivity, diffusivity" in caught.value.limit
+    assert "unknown=[" in caught.value.remedy

@@ -1,0 +1,44 @@
+"""An optimiser that walks a fixed way without looking at the data: it compiles nothing."""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from thermo.inverse import AbstractOptimiser
+from thermo.inverse._objective import Objective
+
+
+@final
+class Walk(AbstractOptimiser):
+    """Adds 0.1 to every parameter, step by step; `seen` keeps what it was given."""
+
+    max_steps: int = 3
+    seen: list[tuple[Objective, Any]] = eqx.field(default_factory=list)
+
+    def begin(self, objective: Objective, parameters: Any) -> Any:
+        return 0
+
+    def resume(self, state: Any, memory: Any) -> Any:
+        return int(memory["count"])
+
+    def memory(self, state: Any) -> Any:
+        return {"count": np.asarray(state)}
+
+    def loss_at_arrival(self) -> bool:
+        return True
+
+    def fixed_length(self) -> bool:
+        return True
+
+    def advance(self, objective: Objective, parameters: Any, state: Any) -> Any:
+        self.seen.append((objective, parameters))
+        new = jax.tree.map(lambda raw: raw + 0.1, parameters)
+        return new, state + 1, jnp.asarray(1.0 / (state + 1)), (False, True)
+
+    def __repr__(self) -> str:
+        return f"Walk({self.max_steps})"
