@@ -31,7 +31,8 @@ test: lint
 	$(BIN)/python -m pytest -q
 
 demo: $(STAMP)
-	$(BIN)/thermo invert data=examples/bracket 'unknown=[conductivity]' field=control_points optimiser=lm out=$(DEMO)/invert
+	$(BIN)/thermo invert data=examples/bracket 'unknown=[conductivity]' field=control_points field.count=100 \
+		optimiser=lm out=$(DEMO)/invert
 	$(BIN)/thermo predict data=examples/bracket estimate=$(DEMO)/invert 'runs=[test_heating]' out=$(DEMO)/predict
 	@echo "Pictures:"
 	@find $(DEMO)/invert $(DEMO)/predict -name '*.png' | sort | sed 's/^/  /'

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from box_scene import write_block
 
-from thermo.inverse import Estimate, Meshing, Stepping, invert
+from thermo.inverse import Estimate, Meshing, Stepping, Uniform, invert
 from thermo.observe import Scene, read_scene
 
 START = {"conductivity": 2.4}
@@ -47,4 +47,4 @@ def stepping() -> Stepping:
 def fitted(block: Path, meshing: Meshing, stepping: Stepping) -> Estimate:
     """Conductivity of the block on quadratic cells, from three times the true value."""
     quadratic = Meshing(order=2, max_nodes=meshing.max_nodes, cache=meshing.cache)
-    return invert(block, initial=START, meshing=quadratic, stepping=stepping)
+    return invert(block, initial=START, choice=Uniform(), meshing=quadratic, stepping=stepping)

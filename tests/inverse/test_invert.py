@@ -13,7 +13,7 @@ import pytest
 from box_scene import CONDUCTIVITY, NOISE, edit
 
 from thermo.errors import InputError
-from thermo.inverse import Adam, Estimate, Meshing, OnControlPoints, Stepping, invert
+from thermo.inverse import Adam, Estimate, Meshing, OnControlPoints, Stepping, Uniform, invert
 from thermo.inverse import _invert as module
 from thermo.observe import Scene, read_scene
 from thermo.physics.integrators import BackwardEuler
@@ -29,13 +29,14 @@ def descend(data: Path | Scene, meshing: Meshing, **more: Any) -> Estimate:
     """Four epochs on two runs: every call runs the same compiled program."""
     return invert(
         data, runs=TWO, initial=START, optimiser=Adam(max_steps=4, rate=0.2), stepping=LONG,
-        meshing=meshing, **more,
+        meshing=meshing, choice=Uniform(), **more,
     )  # fmt: skip
 
 
 def stroll(data: Path | Scene, meshing: Meshing, **more: Any) -> Estimate:
     """A fit that never simulates."""
-    settings = {"initial": START, "stepping": LONG, "meshing": meshing, "optimiser": Walk()}
+    settings: dict[str, Any] = {"initial": START, "stepping": LONG, "meshing": meshing}
+    settings |= {"optimiser": Walk(), "choice": Uniform()}
     return invert(data, **{**settings, **more})
 
 

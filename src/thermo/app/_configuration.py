@@ -146,14 +146,18 @@ def stages(section: Section) -> Any:
     return section["kind"]
 
 
-def number(section: Section, key: str, prefix: str = "", *, whole: bool = False) -> Any:
+def number(
+    section: Section, key: str, prefix: str = "", *, whole: bool = False, above: float = -math.inf
+) -> Any:
     """A number of a section, in that setting's unit. Raises `InputError` for anything else."""
     value = section[key]
     kinds = int if whole else int | float
-    if isinstance(value, bool) or not isinstance(value, kinds) or not math.isfinite(value):
+    plain = isinstance(value, kinds) and not isinstance(value, bool) and math.isfinite(value)
+    if not (plain and value > above):
+        least = "" if above == -math.inf else f" above {above:g}"
         raise InputError(
             "a number is wanted", where=prefix + key, value=value,
-            limit="a whole number" if whole else "a finite number",
+            limit=("a whole number" if whole else "a finite number") + least,
             remedy=f"give {prefix}{key} a number, or leave it at its default",
         )  # fmt: skip
     return value if whole else float(value)

@@ -47,7 +47,7 @@ def invert(settings: Configuration) -> None:
         "stages": stages(settings["stages"]),
         "initial": given(settings["initial"], "initial."),
         "seed": number(settings, "seed", whole=True),
-        "model_error": number(settings, "model_error"),
+        "model_error": number(settings, "model_error", above=0.0),
     }
     scene = read_scene(Path(settings["data"]))
     require_writable(out)
@@ -74,7 +74,7 @@ def predict(settings: Configuration) -> None:
         scene,
         Path(settings["estimate"]),
         runs=names(settings["runs"], "runs"),
-        tolerance=number(settings, "tolerance"),
+        tolerance=number(settings, "tolerance", above=0.0),
     )
     seconds = time.monotonic() - begun
     record = write_predictions(out, "predict", predictions, settings, seconds)
@@ -97,7 +97,7 @@ def simulate(settings: Configuration) -> None:
         str(settings["run"]),
         values={**material, **exchange, "volumetric_heat_capacity": capacity},
         meshing=meshing,
-        tolerance=number(settings, "tolerance"),
+        tolerance=number(settings, "tolerance", above=0.0),
     )
     seconds = time.monotonic() - begun
     runs = {str(settings["run"]): prediction}

@@ -110,15 +110,25 @@ def state(scene: Scene, initial: dict[str, float], conductivity: float) -> State
     return Stated(conductivity, capacity, convection, emissivity)
 
 
-def check_initial(initial: dict[str, float]) -> None:
-    """Refuse initial values [SI] that are not positive numbers. Raises `InputError`."""
-    for name, value in initial.items():
-        if not (np.isfinite(value) and value > 0):
+MAY_VANISH = ("convection", "emissivity", "scaled_convection", "scaled_emissivity")
+"""Exchange with the surroundings may be nothing, as long as it is not what is looked for."""
+
+
+def check_values(
+    values: dict[str, float], unknown: tuple[str, ...] = (), where: str = "initial."
+) -> None:
+    """Refuse values [SI] that cannot be. Raises `InputError`.
+
+    `unknown` names what a fit looks for on a logarithmic scale; `where` is the section's name.
+    """
+    for name, value in values.items():
+        least = 0.0 if name in MAY_VANISH and name not in unknown else np.finfo(float).tiny
+        if not (np.isfinite(value) and value >= least):
             raise InputError(
-                "an initial value is not positive",
-                where=f"initial.{name}",
+                "a value is not positive",
+                where=f"{where}{name}",
                 value=value,
-                limit="a finite number above 0",
+                limit="a finite number, 0 or more" if least == 0.0 else "a finite number above 0",
                 remedy="give a rough guess in SI units",
             )
 

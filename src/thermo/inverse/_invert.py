@@ -10,9 +10,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from thermo.fields import AbstractField, cell_values, face_values
-from thermo.inverse._body import Meshing, check_initial, duration
+from thermo.inverse._body import Meshing, check_values, duration
 from thermo.inverse._estimate import Estimate, RecoveredField
-from thermo.inverse._field_choice import AbstractFieldChoice, Uniform
+from thermo.inverse._field_choice import AbstractFieldChoice, OnControlPoints
 from thermo.inverse._least_squares import LevenbergMarquardt
 from thermo.inverse._minimise import OnStep, minimise
 from thermo.inverse._objective import with_fields
@@ -53,7 +53,7 @@ def invert(
     - `data`: a scene, or the folder of one. Its `truth` is never read.
     - `runs`: names of the runs to fit; all that are not held out by default.
     - `unknown`: quantities to find; the scene's own by default.
-    - `choice`: how they vary over the object; `prior`: how smoothly.
+    - `choice`: how they vary over the object, control points by default; `prior`: how smoothly.
     - `optimiser`, `stepping`, `meshing`: with their own units.
     - `stages`: "tet4_tet10" fits on linear cells first, then on quadratic ones from that field.
     - `initial`: by quantity [SI], in place of what the scene states: first values of unknowns,
@@ -73,9 +73,9 @@ def invert(
     names = select_unknowns(scene, unknown)
     initial = {} if initial is None else initial
     check_unknowns(names, scene, initial)
-    check_initial(initial)
+    check_values(initial, names)
     fitted = tuple(select_fit_runs(scene, runs))
-    how = (choice or Uniform(), optimiser or LevenbergMarquardt(), prior or Prior())
+    how = (choice or OnControlPoints(), optimiser or LevenbergMarquardt(), prior or Prior())
     cut = (stepping or Stepping(), meshing or Meshing())
     task = Task(scene, fitted, names, *how, *cut, stages, initial, seed, model_error)
     return _fit(task, checkpoint, on_step, begun)

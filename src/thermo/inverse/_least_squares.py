@@ -24,9 +24,11 @@ FIRST_STEP = 1e2
 LONGEST = 1.0
 
 # Gain of a step [1] below which a fit has settled: in units of log-likelihood, and as a share of
-# the loss for fits whose misfit is far above the noise.
+# the loss for fits whose misfit is far above the noise. Coarse tangents promise no better than
+# they agree with the true ones, so that less is asked of them.
 SETTLED = 0.05
 SETTLED_SHARE = 1e-4
+SETTLED_COARSE = 1e-3
 
 # Trials in a row [1] that may fail where coarse tangents steer: from there they no longer know
 # which way is down, and shorter steps along them would only cost time.
@@ -117,7 +119,8 @@ def _advance(
     # more than a fraction of its own uncertainty.
     change = state.f_info.jac.mv(state.y_eval - new)
     promise = -jnp.sum(change * (state.f_info.residual + 0.5 * change))
-    settled = promise < jnp.maximum(SETTLED, SETTLED_SHARE * loss)
+    share = SETTLED_SHARE if objective.tangents is None else SETTLED_COARSE
+    settled = promise < jnp.maximum(SETTLED, share * loss)
     if objective.tangents is not None:
         settled = settled | (state.num_steps_since_acceptance >= STALLED)
     fine = (result == optx.RESULTS.successful) | settled

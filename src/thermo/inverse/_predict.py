@@ -14,7 +14,7 @@ from jaxtyping import Float
 from thermo.errors import InputError
 from thermo.inverse._body import (
     Meshing,
-    check_initial,
+    check_values,
     make_mesh,
     of_order,
     solve_heat_once,
@@ -34,9 +34,6 @@ from thermo.physics import (
     between_steps,
     discretise,
 )
-
-LEAST_STEPS = 40
-"""Steps of a run [1], however slowly it changes: what is read between them is interpolated."""
 
 MOMENTS = 13
 """Frames of a run that are kept for the whole body [1]."""
@@ -143,7 +140,7 @@ def _forward(
     readout, _ = bind(run.recording, space.mesh, where=where)
     readout = _with_corners(readout, space, mesh)
     first = next(iter(bodies.values()))
-    grid = free_grid(mesh, first, run, tolerance=tolerance, least_steps=LEAST_STEPS)
+    grid = free_grid(mesh, first, run, tolerance=tolerance)
     under = conditions(run, space)
     recording = run.recording
     measured = np.where(recording.valid, recording.temperature, np.nan)
@@ -235,7 +232,7 @@ def simulate(
     scene = data if isinstance(data, Scene) else read_scene(Path(data))
     (picked,) = select_runs(scene, (run,), held_out=False)
     values = {} if values is None else values
-    check_initial(values)
+    check_values(values, where="values.")
     meshing = Meshing() if meshing is None else meshing
     if scene.material.conductivity is None and not {"conductivity", "diffusivity"} & set(values):
         raise InputError(

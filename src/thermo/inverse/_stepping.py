@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import final
 
+import numpy as np
+
 from thermo.inverse._conditions import conditions, make_model, switches
 from thermo.inverse._properties import Properties, Stated, properties
 from thermo.mesh import Mesh
@@ -15,6 +17,9 @@ from thermo.physics.integrators import AbstractIntegrator, BackwardEuler, Sdirk2
 COARSER = 10.0
 """Tolerance of the steps that tangents take, over that of the fit [1]; half as many steps."""
 
+LEAST_STEPS = 40.0
+"""Steps of a run [1], however slowly it changes: what is read between them is interpolated."""
+
 
 @final
 @dataclass(frozen=True)
@@ -23,7 +28,7 @@ class Stepping:
 
     - `integrator`: the scheme. A first-order one takes steps of `size` [s]; a second-order one
       plans its steps for `tolerance` [K] an error a step.
-    - `most_frames`: about the most frames of a run that are fitted [1].
+    - `most_frames`: the most frames of a run that are fitted, evenly spread [1].
     - `rtol`: of the linear solver, relative to each step's own change [1].
     - `lagged`: the paper's lagged radiation.
     """
@@ -36,27 +41,21 @@ class Stepping:
     lagged: bool = False
 
 
-def fit_grid(mesh: Mesh, stated: Stated, run: Run, stepping: Stepping) -> TimeGrid:
-    """Steps [s] of a run's simulation, planned on the linear mesh, and the frames that they fit."""
-    frames = run.recording.time
+def fit_frames(run: Run, stepping: Stepping) -> TimeGrid:
+    """The frames [s] of a run that are fitted: evenly spread, at most `most_frames`.
+
+    For a scheme of given steps also the steps, which end on them.
+    """
+    time = run.recording.time
     if isinstance(stepping.integrator, BackwardEuler):
-        return uniform_steps(frames, stepping.size, switches(run))
-    space = discretise(mesh)
-    body = properties(stated, {}, len(mesh.cells), len(mesh.faces))
-    under = conditions(run, space)
-    return plan_steps(
-        make_model(space, body, under),
-        under.start(len(space.mesh.nodes)),
-        frames,
-        tolerance=stepping.tolerance,
-        largest=float(frames[-1]) / stepping.most_frames * 2,
-        switches=switches(run),
-        every_frame=False,
-    )
+        return uniform_steps(time, stepping.size, switches(run))
+    count = min(stepping.most_frames, len(time))
+    picked = np.unique(np.linspace(0, len(time) - 1, count).round().astype(int))
+    return uniform_steps(time[picked], float(time[-1]))
 
 
 def free_grid(
-    mesh: Mesh, body: Properties, run: Run, *, tolerance: float, least_steps: float
+    mesh: Mesh, body: Properties, run: Run, *, tolerance: float, least_steps: float = LEAST_STEPS
 ) -> TimeGrid:
     """Steps [s] that heed switches only, a frame after each: frames are interpolated.
 
@@ -76,10 +75,20 @@ def free_grid(
     return every_step(grid)
 
 
-def tangent_grid(mesh: Mesh, stated: Stated, run: Run, stepping: Stepping) -> TimeGrid | None:
-    """Fewer steps [s] for derivatives, or None for a scheme whose steps are given."""
+def planned_steps(
+    mesh: Mesh, stated: Stated, run: Run, stepping: Stepping, *, coarser: float = 1.0
+) -> TimeGrid | None:
+    """Steps [s] planned on the linear mesh, or None for a scheme of given steps.
+
+    `coarser`: over the tolerance, and the longest step over the usual one, [1].
+    """
     if isinstance(stepping.integrator, BackwardEuler):
         return None
     body = properties(stated, {}, len(mesh.cells), len(mesh.faces))
-    tolerance = COARSER * stepping.tolerance
-    return free_grid(mesh, body, run, tolerance=tolerance, least_steps=stepping.most_frames / 8)
+    return free_grid(
+        mesh,
+        body,
+        run,
+        tolerance=coarser * stepping.tolerance,
+        least_steps=LEAST_STEPS / coarser ** (1 / 3),
+    )

@@ -25,7 +25,7 @@ from thermo.inverse._least_squares import LevenbergMarquardt
 from thermo.inverse._objective import FieldPrior, Objective
 from thermo.inverse._optimiser import AbstractOptimiser
 from thermo.inverse._properties import Stated
-from thermo.inverse._stepping import Stepping, fit_grid, tangent_grid
+from thermo.inverse._stepping import COARSER, Stepping, fit_frames, planned_steps
 from thermo.mesh import Mesh
 from thermo.observe import Run, Scene
 from thermo.physics import ConjugateGradient, TimeGrid, discretise
@@ -115,13 +115,17 @@ class Task:
 @final
 @dataclass(frozen=True)
 class Ready:
-    """The body of a fit: mesh, stated values, fields with their priors, steps of each run."""
+    """The body of a fit: mesh, stated values, fields with their priors.
+
+    Of each run: `grids`, the frames that are fitted, and `steps`, unless frames give them.
+    """
 
     mesh: Mesh
     stated: Stated
     fields: dict[str, AbstractField]
     priors: dict[str, FieldPrior]
     grids: dict[str, TimeGrid]
+    steps: dict[str, TimeGrid | None]
 
 
 def prepare(task: Task) -> Ready:
@@ -138,8 +142,9 @@ def prepare(task: Task) -> Ready:
         made = task.choice.make(QUANTITIES[name], mesh, stated.of(name), task.seed + number)
         fields[name], pairs[name] = made
     priors = _priors(fields, pairs, stated, scene, task.prior)
-    grids = {run.name: fit_grid(mesh, stated, run, task.stepping) for run in task.runs}
-    return Ready(mesh, stated, fields, priors, grids)
+    grids = {run.name: fit_frames(run, task.stepping) for run in task.runs}
+    steps = {run.name: planned_steps(mesh, stated, run, task.stepping) for run in task.runs}
+    return Ready(mesh, stated, fields, priors, grids, steps)
 
 
 def make_objective(task: Task, ready: Ready, order: int) -> Objective:
@@ -152,11 +157,11 @@ def make_objective(task: Task, ready: Ready, order: int) -> Objective:
     tangents = None
     if coarse and isinstance(task.optimiser, LevenbergMarquardt):
         steps = {
-            run.name: tangent_grid(ready.mesh, ready.stated, run, task.stepping)
+            run.name: planned_steps(ready.mesh, ready.stated, run, task.stepping, coarser=COARSER)
             for run in task.runs
         }
         tangents = _plain(task, ready, 1, steps)
-    return replace(_plain(task, ready, order, {}), tangents=tangents)
+    return replace(_plain(task, ready, order, ready.steps), tangents=tangents)
 
 
 def _plain(task: Task, ready: Ready, order: int, steps: dict[str, TimeGrid | None]) -> Objective:
@@ -166,7 +171,7 @@ def _plain(task: Task, ready: Ready, order: int, steps: dict[str, TimeGrid | Non
             run,
             space,
             ready.grids[run.name],
-            steps=steps.get(run.name),
+            steps=steps[run.name],
             model_error=task.model_error,
             where=f"{task.scene.folder}: runs.{run.name}.recording",
         )
