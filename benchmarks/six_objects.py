@@ -107,8 +107,18 @@ def show(line: dict) -> None:
     print("  ".join(f"{name}={cell}" for name, cell in zip(line, cells, strict=True)), flush=True)
 
 
+def write_table(path: Path, rows: list[dict]) -> None:
+    """Write what is known so far: the whole takes half an hour."""
+    with path.open("w", newline="") as stream:
+        writer = csv.DictWriter(stream, HEADER)
+        writer.writeheader()
+        writer.writerows(
+            {k: f"{v:.4g}" if isinstance(v, float) else v for k, v in line.items()} for line in rows
+        )
+
+
 def main() -> None:
-    """Run the objects that are asked for, and write the table where all were."""
+    """Run the objects that are asked for."""
     parser = argparse.ArgumentParser(description="Uniform conductivity of six objects.")
     parser.add_argument("--data", type=Path, help="folder that holds scenes")
     parser.add_argument("--objects", default=",".join(OBJECTS))
@@ -123,14 +133,8 @@ def main() -> None:
     rows = []
     for name in given.objects.split(","):
         rows += study(data / "scenes" / name, given.factor, given.cache)
-    if given.table:
-        with given.table.open("w", newline="") as stream:
-            writer = csv.DictWriter(stream, HEADER)
-            writer.writeheader()
-            writer.writerows(
-                {k: f"{v:.4g}" if isinstance(v, float) else v for k, v in line.items()}
-                for line in rows
-            )
+        if given.table:
+            write_table(given.table, rows)
 
 
 if __name__ == "__main__":

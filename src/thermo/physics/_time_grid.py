@@ -97,13 +97,12 @@ def plan_steps(
     tolerance: float,
     largest: float,
     switches: Sequence[float] = (),
-    every_frame: bool = True,
     scheme: Sdirk2 | None = None,
 ) -> TimeGrid:
     """Choose steps whose estimated error stays below `tolerance`, for a second-order scheme.
 
-    A step ends at each switch and, with `every_frame`, at each frame; otherwise at the last frame
-    within reach, and the frames in between are left out of the grid.
+    A step ends at each switch and at each frame. Given the last frame only, steps follow their
+    error alone; `every_step` and `between_steps` then give the frames in between.
 
     Arguments:
 
@@ -114,14 +113,15 @@ def plan_steps(
     """
     scheme = Sdirk2() if scheme is None else scheme
     frames = np.asarray(frames, float)
-    stops = np.unique(np.append(_inside(switches, frames), frames[-1]))
+    jumps = _inside(switches, frames)
+    stops = np.unique(np.append(jumps, frames))
     solver = ConjugateGradient(rtol=1e-5)
     smallest = 1e-4 * min(largest, float(frames[-1]))
     time, temperature, size = 0.0, initial, 10 * smallest
     ends: list[float] = []
     while time < frames[-1] - 1e-9:
-        goal = min(time + min(size, largest), stops[np.searchsorted(stops, time + 1e-9)])
-        goal = _land(time, goal, frames, every_frame)
+        reach = time + min(size, largest)
+        goal = float(min(reach, stops[np.searchsorted(stops, time + 1e-9)]))
         length = goal - time
         new, error = _try_step(
             scheme, model, temperature, jax.numpy.asarray(time), jax.numpy.asarray(length), solver
@@ -133,18 +133,6 @@ def plan_steps(
             continue
         time, temperature = goal, new
         ends.append(goal)
-        if np.isclose(stops, goal, rtol=0, atol=1e-9).any():
+        if np.isclose(jumps, goal, rtol=0, atol=1e-9).any():
             size = 10 * smallest
-    reached = np.concatenate([[0.0], ends])
-    landed = frames[np.abs(frames[:, None] - reached).min(1) < 1e-9]
-    return _grid(ends, landed)
-
-
-def _land(
-    time: float, goal: float, frames: Float[np.ndarray, " frames"], every_frame: bool
-) -> float:
-    """The frame on which a step that could reach `goal` should end, or `goal` itself [s]."""
-    ahead = frames[(frames > time + 1e-9) & (frames <= goal + 1e-9)]
-    if len(ahead) == 0:
-        return goal
-    return float(ahead[0] if every_frame else ahead[-1])
+    return _grid(ends, frames)
