@@ -138,9 +138,9 @@ def test_a_multirun_makes_a_folder_for_each_seed(
     # The first fit's words, so that nothing is compiled again.
     outcome = command("invert", "-m", f"data={block}", f"out={out}", cache, *SMALL, "seed=0,1")
     assert outcome.code == 0, outcome.err
-    assert sorted(path.name for path in out.iterdir() if path.is_dir()) == ["seed=0", "seed=1"]
+    assert sorted(path.name for path in out.iterdir() if path.is_dir()) == ["seed-0", "seed-1"]
     for seed in (0, 1):
-        found = result(out / f"seed={seed}")
+        found = result(out / f"seed-{seed}")
         assert found["configuration"]["seed"] == seed
         assert found["fields"] == result(fit)["fields"], "a uniform field knows no seed"
     assert list(Path.cwd().iterdir()) == [], "nothing is left in the working folder"

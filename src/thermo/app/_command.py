@@ -52,7 +52,8 @@ def _settings(configuration: DictConfig) -> dict[str, Any]:
     if job.mode == RunMode.MULTIRUN:
         # Jobs of a multirun never share a folder; only what differs between them names it.
         swept = [word for word in job.overrides.task if word not in sys.argv]
-        label = ",".join(swept).replace("/", "_")
+        # An equals sign in a folder's name would need quotes in the next command.
+        label = ",".join(swept).replace("/", "_").replace("=", "-")
         if not 0 < len(label) <= LONGEST_LABEL:
             label = str(job.job.num)
         settings["out"] = str(Path(str(settings["out"])) / label)

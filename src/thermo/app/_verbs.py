@@ -51,17 +51,25 @@ def invert(settings: Configuration) -> None:
     }
     scene = read_scene(Path(settings["data"]))
     require_writable(out)
-    print(f"fitting {scene.object}; meshing and compiling come first", file=sys.stderr)
+    checkpoint = out / "checkpoint.npz"
+    begun = f"going on from {checkpoint}" if checkpoint.exists() else f"fitting {scene.object}"
+    print(f"{begun}; meshing and compiling come first", file=sys.stderr)
     with Progress("invert", arguments["optimiser"].max_steps, sys.stderr) as progress:
         estimate = inverse.invert(
             scene,
-            checkpoint=out / "checkpoint.npz",
+            checkpoint=checkpoint,
             on_step=lambda step, most, loss: progress.update(step, loss),
             **arguments,
         )
     record = write_inversion(out, estimate, settings)
     print(inversion_table(record))
-    print(f"\n{estimate.resolution}\n{out / 'result.json'}, {estimate.seconds:.0f} s")
+    steps = sum(len(losses) for losses in estimate.history)
+    ended = (
+        f"Settled after {steps} steps."
+        if estimate.success
+        else f"NOT CONVERGED after {steps} steps: raise optimiser.max_steps."
+    )
+    print(f"\n{ended} {estimate.resolution}\n{out / 'result.json'}, {estimate.seconds:.0f} s")
 
 
 def predict(settings: Configuration) -> None:

@@ -77,7 +77,7 @@ def load_checkpoint(path: Path, key: str, like: Parameters) -> Checkpoint | None
                 "this checkpoint belongs to another fit",
                 where=str(path),
                 value=str(arrays["key"]),
-                limit=key,
+                limit=f"{key}, the same data and settings as the fit that was interrupted",
                 remedy="give another `out` folder, or delete the file to start anew",
             )
         return _restore(arrays, like)

@@ -197,7 +197,16 @@ def predict(
     if isinstance(estimate, Estimate):
         parts = (estimate.mesh, estimate.order, estimate.stated, estimate.fields)
     else:
-        parts = load_estimate(Path(estimate) / "estimate.npz")
+        folder = Path(estimate)
+        if (folder / "checkpoint.npz").exists() and not (folder / "estimate.npz").exists():
+            raise InputError(
+                "this fit was interrupted",
+                where=str(folder),
+                value="checkpoint.npz and no estimate.npz",
+                limit="the folder of a finished fit",
+                remedy="give the same `thermo invert` command again: it goes on",
+            )
+        parts = load_estimate(folder / "estimate.npz")
     mesh, order, stated, fields = parts
     bodies = {
         "spatial": _properties(mesh, stated, fields, median=False),

@@ -90,7 +90,9 @@ class Task:
 
     def key(self) -> str:
         """A hash that another fit does not share."""
-        asked = (self.names, self.choice, self.optimiser, self.prior, self.stepping)
+        # How long to go on is not part of the question.
+        method = replace(self.optimiser, max_steps=1)
+        asked = (self.names, self.choice, method, self.prior, self.stepping)
         where = (replace(self.meshing, cache=None), self.stages, sorted(self.initial.items()))
         scene = self.scene
         body = (scene.material, scene.convection, scene.emissivity, scene.unit, scene.prior)
