@@ -10,7 +10,7 @@ meshes; the truth is read only here, to say where to start and how far off the a
 are those of `thermo.invert` with the mesh in its cache, compilation included.
 
 The objects are not in the repository: --data, or the environment variable THERMOFIELD_DATA, names
-the folder that holds `scenes`.
+the folder that holds `scenes`; `data` in the repository's root otherwise.
 """
 
 from __future__ import annotations
@@ -126,7 +126,7 @@ def main() -> None:
     parser.add_argument("--cache", type=Path, default=ROOT / "outputs" / "meshes")
     parser.add_argument("--table", type=Path, help="CSV file for the results")
     given = parser.parse_args()
-    data = given.data or Path(os.environ.get("THERMOFIELD_DATA", ROOT.parent / "shared" / "data"))
+    data = given.data or Path(os.environ.get("THERMOFIELD_DATA", ROOT / "data"))
     if not (data / "scenes").is_dir():
         sys.exit(f"no scenes in {data}: give --data FOLDER or set THERMOFIELD_DATA")
     given.cache.mkdir(parents=True, exist_ok=True)

@@ -77,7 +77,7 @@ class Result:
 def data_folder(given: str | None) -> Path:
     """The folder named by the argument, the environment or the default."""
     named = given or os.environ.get("THERMOFIELD_DATA")
-    return Path(named) if named else ROOT.parent / "shared" / "data"
+    return Path(named) if named else ROOT / "data"
 
 
 def read_record(folder: Path) -> tuple[np.ndarray, np.ndarray]:
