@@ -128,7 +128,8 @@ def test_a_checkpoint_of_another_fit_is_refused(problem: Objective, tmp_path: Pa
     with pytest.raises(InputError) as caught:
         minimise([lambda: problem], ALL["adam"], key="two", checkpoint=file)
     assert caught.value.where == str(file)
-    assert (caught.value.value, caught.value.limit) == ("one", "two")
+    assert caught.value.value == "one"
+    assert caught.value.limit == "two, the same data and settings as the fit that was interrupted"
     assert "delete" in caught.value.remedy or "out" in caught.value.remedy
     assert file.read_bytes() == before
 
