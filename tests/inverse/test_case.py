@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from thermo.errors import InputError
-from thermo.inverse._case import Case, make_case, stack_cases
+from thermo.inverse._case import Case, group_cases, make_case, stack_cases
 from thermo.observe import Recording, Run, Scene, estimate_noise
 from thermo.physics import discretise, uniform_steps
 
@@ -123,5 +123,8 @@ def test_runs_of_another_structure_are_not_stacked(scene: Scene) -> None:
     lamp, cooling = case(scene.runs["lamp"]), case(scene.runs["cooling"])
     profile = lamp.under.profile[:-1]
     other = replace(cooling, under=replace(cooling.under, profile=profile))
-    groups = stack_cases([lamp, other, case(scene.runs["test_lamp"])])
+    cases = [lamp, other, case(scene.runs["test_lamp"])]
+    groups = stack_cases(cases)
     assert [len(group.data) for group in groups] == [2, 1]
+    assert group_cases(cases) == [[0, 2], [1]]
+    np.testing.assert_array_equal(groups[0].data[1, : len(cases[2].data)], cases[2].data)

@@ -11,17 +11,16 @@ import pytest
 from thermo.inverse import AbstractOptimiser, GaussNewtonKrylov, LevenbergMarquardt
 from thermo.inverse import _least_squares as least_squares
 from thermo.inverse._minimise import minimise
-from thermo.inverse._objective import Objective
+from thermo.inverse._objective import FieldPrior, Objective
 
 from .objectives import beliefs
 
 BOTH = [LevenbergMarquardt(max_steps=20), GaussNewtonKrylov(max_steps=20)]
 
 
-def sharpened(factor: float) -> Objective:
-    """Beliefs whose residuals are all `factor` times as large."""
-    problem = beliefs()
-    priors = {
+def scaled(problem: Objective, factor: float) -> dict[str, FieldPrior]:
+    """The problem's priors with residuals `factor` times as large."""
+    return {
         name: replace(
             prior,
             step=prior.step / factor,
@@ -30,7 +29,12 @@ def sharpened(factor: float) -> Objective:
         )
         for name, prior in problem.priors.items()
     }
-    return replace(problem, priors=priors)
+
+
+def sharpened(factor: float) -> Objective:
+    """Beliefs whose residuals are all `factor` times as large."""
+    problem = beliefs()
+    return replace(problem, priors=scaled(problem, factor))
 
 
 @pytest.mark.parametrize("optimiser", BOTH)
@@ -69,3 +73,26 @@ def test_a_step_uphill_is_refused_and_the_trust_shrinks() -> None:
     assert float(second) == float(first) and not bool(done)
     assert all(jnp.array_equal(stood[name], point[name]) for name in point)
     assert float(shrunk.step) == pytest.approx(0.25 * float(state.step), rel=1e-12)
+
+
+def steered(factor: float) -> Objective:
+    """The beliefs, steered by tangents that are `factor` times the true ones."""
+    problem = sharpened(100.0)
+    return replace(problem, tangents=replace(problem, priors=scaled(problem, factor)))
+
+
+def test_coarse_tangents_steer_to_the_same_minimum() -> None:
+    exact = minimise([lambda: sharpened(100.0)], LevenbergMarquardt(), key="x")
+    fit = minimise([lambda: steered(1.3)], LevenbergMarquardt(), key="x")
+    bound = max(least_squares.SETTLED, least_squares.SETTLED_COARSE * fit.loss)
+    assert fit.success
+    # Tangents that are too long make the steps too short by a fixed share.
+    assert abs(fit.loss - exact.loss) < 20 * bound
+    assert fit.history[0][1] != pytest.approx(exact.history[0][1], rel=1e-6)
+
+
+def test_tangents_that_point_uphill_stall_without_success() -> None:
+    fit = minimise([lambda: steered(-1.0)], LevenbergMarquardt(), key="x")
+    assert not fit.success
+    assert len(fit.history[0]) == 1 + least_squares.STALLED < LevenbergMarquardt().max_steps
+    assert len(set(fit.history[0])) == 1, "nothing uphill was taken"

@@ -67,9 +67,15 @@ def invert(settings: Configuration) -> None:
     ended = (
         f"Settled after {steps} steps."
         if estimate.success
-        else f"NOT CONVERGED after {steps} steps: raise optimiser.max_steps."
+        else f"NOT CONVERGED after {steps} steps: {_remedy(steps, arguments['optimiser'])}."
     )
     print(f"\n{ended} {estimate.resolution}\n{out / 'result.json'}, {estimate.seconds:.0f} s")
+
+
+def _remedy(steps: int, optimiser: inverse.AbstractOptimiser) -> str:
+    if steps >= optimiser.max_steps:
+        return "raise optimiser.max_steps"
+    return "the coarse tangents know no way down, give mesh.coarse_tangents=false"
 
 
 def predict(settings: Configuration) -> None:

@@ -48,7 +48,7 @@ class Meshing:
     - `order`: 1 for TET4, 2 for TET10.
     - `max_nodes`: about the most nodes of the TET10 mesh [1].
     - `coarse_tangents`: take the dense Jacobian of Levenberg-Marquardt from linear cells and half
-      as many steps. It costs a tenth and steers a fit whose residual stays that of `order`; None
+      as many steps. It is cheaper and steers a fit whose residual stays that of `order`; None
       takes it above eight unknowns.
     - `cells_per_depth`: cells over the depth that heat reaches [1].
     - `cache`: folder of meshes, None for the user's cache.

@@ -115,16 +115,22 @@ def _pad_case(case: Case, steps: int, ends: int, frames: int, samples: int) -> C
     return Case(case.under, grid, readout, jnp.asarray(data), jnp.asarray(weight), between)
 
 
-def stack_cases(cases: Sequence[Case]) -> tuple[Case, ...]:
-    """Stack runs that have the same effects, so that one program serves all of them [1]."""
-    groups: dict[str, list[Case]] = {}
-    for case in cases:
+def group_cases(cases: Sequence[Case]) -> list[list[int]]:
+    """Numbers [1] of the runs that have the same effects, group by group."""
+    groups: dict[str, list[int]] = {}
+    for number, case in enumerate(cases):
         shape = str(jax.tree.structure(case.under)) + str(
             [np.shape(leaf) for leaf in jax.tree.leaves(case.under)]
         )
-        groups.setdefault(shape, []).append(case)
+        groups.setdefault(shape, []).append(number)
+    return list(groups.values())
+
+
+def stack_cases(cases: Sequence[Case]) -> tuple[Case, ...]:
+    """Stack the runs of each group, so that one program serves all of them [1]."""
     stacked = []
-    for group in groups.values():
+    for numbers in group_cases(cases):
+        group = [cases[number] for number in numbers]
         steps = max(len(case.grid.start) for case in group)
         frames, samples = (max(case.data.shape[axis] for case in group) for axis in (0, 1))
         ends = max(len(case.grid.frame_step) for case in group)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import time
 from pathlib import Path
 from typing import Literal
@@ -84,14 +85,16 @@ def invert(
 def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: float) -> Estimate:
     ready = prepare(task)
     orders = [1, 2] if task.stages == "tet4_tet10" else [task.meshing.order]
+    # The last one also says how each run was met.
+    made = functools.cache(lambda order: make_objective(task, ready, order))
     fit = minimise(
-        [lambda order=order: make_objective(task, ready, order) for order in orders],
+        [functools.partial(made, order) for order in orders],
         task.optimiser,
         key=task.key(),
         checkpoint=checkpoint,
         on_step=on_step,
     )
-    last = make_objective(task, ready, orders[-1])
+    last = made(orders[-1])
     found = with_fields(last, fit.parameters)
     diffusivity = _median_diffusivity(ready.stated, found)
     resolved = resolution(ready.mesh, diffusivity=diffusivity, duration=duration(task.scene))

@@ -31,7 +31,7 @@ SETTLED_SHARE = 1e-4
 SETTLED_COARSE = 1e-3
 
 # Trials in a row [1] that may fail where coarse tangents steer: from there they no longer know
-# which way is down, and shorter steps along them would only cost time.
+# which way is down, and shorter steps along them would only cost time. That is no success.
 STALLED = 2
 
 # Of the trust region: change of the loss, as a share of the predicted one [1], from which a step
@@ -121,10 +121,11 @@ def _advance(
     promise = -jnp.sum(change * (state.f_info.residual + 0.5 * change))
     share = SETTLED_SHARE if objective.tangents is None else SETTLED_COARSE
     settled = promise < jnp.maximum(SETTLED, share * loss)
-    if objective.tangents is not None:
-        settled = settled | (state.num_steps_since_acceptance >= STALLED)
-    fine = (result == optx.RESULTS.successful) | settled
-    return unravel(new), state, loss, (done | settled, fine)
+    fine = (done & (result == optx.RESULTS.successful)) | settled
+    stalled = state.num_steps_since_acceptance >= STALLED
+    if objective.tangents is None:
+        stalled = jnp.zeros_like(stalled)
+    return unravel(new), state, loss, (done | settled | stalled, fine)
 
 
 @final

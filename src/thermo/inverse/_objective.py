@@ -58,6 +58,7 @@ class Objective(eqx.Module):
     - `fields`, `priors`: by quantity name; `stated`: the rest of the body's properties [SI].
     - `cases`: runs, stacked in groups of one shape.
     - `tangents`: a cheaper objective of the same shape whose dense Jacobian stands in, or None.
+    - `sequence`: the numbers of the runs in the order in which `cases` hold them.
     - `integrator`, `solver`: of the simulation; `lagged`: the paper's radiation.
 
     Source: paper, appendix B.7 (checklist D4, E1, E2, E5).
@@ -72,6 +73,7 @@ class Objective(eqx.Module):
     solver: ConjugateGradient
     lagged: bool = eqx.field(static=True, default=False)
     tangents: Objective | None = None
+    sequence: tuple[int, ...] = eqx.field(static=True, default=())
 
 
 def start(objective: Objective) -> Parameters:

@@ -25,13 +25,14 @@ def _temperatures(objective: Objective, fields: dict[str, AbstractField]) -> lis
 def run_fits(
     objective: Objective, fit: Fit, runs: tuple[Run, ...], grids: dict[str, TimeGrid]
 ) -> dict[str, RunFit]:
+    """Temperatures [K] of each run with the fitted fields, at the frames of its grid [s]."""
     fields = with_fields(objective, fit.parameters)
     simulated = [np.asarray(one) for group in _temperatures(objective, fields) for one in group]
     measured = [np.asarray(one) for case in objective.cases for one in case.data]
     weights = [np.asarray(one) for case in objective.cases for one in case.weight]
-    order = _order_of_runs(runs)
     result = {}
-    for place, run in zip(order, runs, strict=True):
+    for number, run in enumerate(runs):
+        place = objective.sequence.index(number)
         frames, samples = len(grids[run.name].frame_time), len(run.recording.points)
         cut = (slice(0, frames), slice(0, samples))
         valid = weights[place][cut] > 0
@@ -45,13 +46,3 @@ def run_fits(
             simulated=here,
         )
     return result
-
-
-def _order_of_runs(runs: tuple[Run, ...]) -> list[int]:
-    """Place of each run in the stacked groups, which keep runs of equal structure together."""
-    kinds: dict[tuple, list[int]] = {}
-    for number, run in enumerate(runs):
-        shape = tuple(len(item.time) for item in run.prescribed)
-        kinds.setdefault(shape, []).append(number)
-    sequence = [number for group in kinds.values() for number in group]
-    return [sequence.index(number) for number in range(len(runs))]

@@ -28,7 +28,8 @@ class Stepping:
 
     - `integrator`: the scheme. A first-order one takes steps of `size` [s]; a second-order one
       plans its steps for `tolerance` [K] an error a step.
-    - `most_frames`: the most frames of a run that are fitted, evenly spread [1].
+    - `most_frames`: the most frames of a run that are fitted, evenly spread [1]; steps of given
+      size fit them all.
     - `rtol`: of the linear solver, relative to each step's own change [1].
     - `lagged`: the paper's lagged radiation.
     """

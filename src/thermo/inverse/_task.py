@@ -19,7 +19,7 @@ from thermo.inverse._body import (
     state,
     surface_of,
 )
-from thermo.inverse._case import make_case, stack_cases
+from thermo.inverse._case import group_cases, make_case, stack_cases
 from thermo.inverse._field_choice import AbstractFieldChoice
 from thermo.inverse._least_squares import LevenbergMarquardt
 from thermo.inverse._objective import FieldPrior, Objective
@@ -31,7 +31,7 @@ from thermo.observe import Run, Scene
 from thermo.physics import ConjugateGradient, TimeGrid, discretise
 
 FEW_UNKNOWNS = 8
-"""Up to this many unknowns [1] the exact Jacobian costs little more than the residual."""
+"""Up to this many unknowns [1] the exact Jacobian is taken: it costs a few runs at most."""
 
 
 @final
@@ -188,4 +188,5 @@ def _plain(task: Task, ready: Ready, order: int, steps: dict[str, TimeGrid | Non
         task.stepping.integrator,
         ConjugateGradient(rtol=task.stepping.rtol),
         task.stepping.lagged,
+        sequence=tuple(number for group in group_cases(cases) for number in group),
     )
