@@ -31,7 +31,7 @@ test: lint
 	$(BIN)/python -m pytest -q
 
 demo: $(STAMP)
-	$(BIN)/thermo invert data=examples/bracket 'unknown=[conductivity]' field=control_points field.count=100 \
+	$(BIN)/thermo invert data=examples/bracket 'unknown=[conductivity]' field=two_materials \
 		optimiser=lm out=$(DEMO)/invert
 	$(BIN)/thermo predict data=examples/bracket estimate=$(DEMO)/invert 'runs=[test_heating]' out=$(DEMO)/predict
 	@echo "Pictures:"

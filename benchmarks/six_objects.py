@@ -68,7 +68,7 @@ def row(scene: Scene, run: str, name: str, truth: float, fitted: tuple[Estimate,
         "run": run,
         "nodes": len(promote(estimate.mesh).nodes),
         "error_percent": 100 * (median(estimate, name) / truth - 1),
-        "iterations": len(estimate.history[-1]) - 1,
+        "iterations": sum(len(losses) - 1 for losses in estimate.history),
         "seconds": seconds,
         "rmse_K": estimate.runs[run].rmse,
     }

@@ -18,10 +18,8 @@ from thermo.fields import (
     ControlPoints,
     LinearHead,
     LogHead,
-    cell_values,
     control_point_field,
     encode,
-    face_values,
     freeze,
     network_field,
     patchwise_field,
@@ -92,8 +90,8 @@ def test_a_field_starts_at_its_initial_value(kind: str, head: str) -> None:
     field = field_of(kind, HEADS[head])
     rough = 0.2 if kind == "network" else 1e-9
     for values, count in (
-        (face_values(field), len(ball().faces)),
-        (cell_values(field), len(ball().cells)),
+        (field.face_values(), len(ball().faces)),
+        (field.cell_values(), len(ball().cells)),
     ):
         assert values.shape == (count,)
         np.testing.assert_allclose(values, 1.3, rtol=rough)
@@ -114,12 +112,12 @@ def test_interpolation_stays_between_its_controls_and_meets_them() -> None:
     field = field_of("control_points", HEADS["log"])
     raw = jnp.asarray(np.random.default_rng(0).normal(size=9))
     field = field.with_parameters(raw)
-    values, inner = np.asarray(field.control_values()), np.asarray(cell_values(field))
+    values, inner = np.asarray(field.control_values()), np.asarray(field.cell_values())
     assert values.min() <= inner.min() < inner.max() <= values.max()
     # A face with a control at each corner would take their mean: here the nearest one leads.
     centres = ball().nodes[ball().faces[:, :3]].mean(1)
     nearest = np.linalg.norm(centres[:, None] - controls().points, axis=2).argmin(1)
-    found = np.asarray(face_values(field))
+    found = np.asarray(field.face_values())
     assert np.corrcoef(found, values[nearest])[0, 1] > 0.7
 
 
@@ -127,9 +125,9 @@ def test_patches_take_one_value_each() -> None:
     field = field_of("patchwise", HEADS["log"]).with_parameters(jnp.linspace(-1, 1, 9))
     values = np.asarray(field.control_values())
     assert len(np.unique(values)) == 9
-    for found in (face_values(field), cell_values(field)):
+    for found in (field.face_values(), field.cell_values()):
         assert set(np.asarray(found)) <= set(values)
-    assert len(set(np.asarray(face_values(field)))) == 9
+    assert len(set(np.asarray(field.face_values()))) == 9
 
 
 def test_parameters_round_trip() -> None:
@@ -153,7 +151,7 @@ def test_frozen_controls_keep_every_bit_and_have_no_gradient() -> None:
     assert (now[~frozen] != kept[~frozen]).all()
 
     def total(parameters: jax.Array) -> jax.Array:
-        return jnp.sum(cell_values(field.with_parameters(parameters)) ** 2)
+        return jnp.sum(field.with_parameters(parameters).cell_values() ** 2)
 
     gradient = np.asarray(jax.grad(total)(field.parameters()))
     assert not gradient[frozen].any()
@@ -169,7 +167,7 @@ def test_taylor_remainder(kind: str, head: str) -> None:
     @jax.jit
     def value(parameters) -> jax.Array:
         moved = field.with_parameters(parameters)
-        return jnp.sum(weight * cell_values(moved)) + jnp.sum(face_values(moved) ** 2)
+        return jnp.sum(weight * moved.cell_values()) + jnp.sum(moved.face_values() ** 2)
 
     start = field.parameters()
     make = np.random.default_rng(3)

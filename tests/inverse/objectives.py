@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import jax.numpy as jnp
@@ -10,7 +11,8 @@ import numpy as np
 from thermo.fields import QUANTITIES
 from thermo.inverse import AbstractFieldChoice, OnControlPoints
 from thermo.inverse._case import Case, make_case, stack_cases
-from thermo.inverse._objective import FieldPrior, Objective, Parameters, start
+from thermo.inverse._minimise import Stage
+from thermo.inverse._objective import FieldPrior, Objective, Parameters, start, with_fields
 from thermo.inverse._properties import Stated
 from thermo.mesh import box_mesh
 from thermo.observe import Run
@@ -63,6 +65,19 @@ def measured(cases: list[Case]) -> Objective:
         {"conductivity": prior(pairs, 0.8, decay=0.1)}, stack_cases(cases), Sdirk2(),
         ConjugateGradient(rtol=1e-10),
     )  # fmt: skip
+
+
+def at(objective: Objective) -> Stage:
+    """A stage with this objective, from where the stage before it ended."""
+
+    def made(before: Parameters | None) -> Objective:
+        return (
+            objective
+            if before is None
+            else replace(objective, fields=with_fields(objective, before))
+        )
+
+    return made
 
 
 def moved(objective: Objective, scale: float = 0.3) -> Parameters:

@@ -6,7 +6,7 @@ import jax
 import numpy as np
 import pytest
 
-from thermo.fields import QUANTITIES, cell_values, face_values
+from thermo.fields import QUANTITIES
 from thermo.inverse import AbstractFieldChoice, Network, OnControlPoints, Patchwise, Uniform
 from thermo.mesh import box_mesh
 
@@ -29,7 +29,7 @@ def test_direct_fields_have_a_parameter_for_each_control_and_start_uniform(
 ) -> None:
     field, pairs = choice.make(QUANTITY, MESH, 2.0, 0)
     assert sum(leaf.size for leaf in leaves(choice)) == count
-    cells, faces = np.asarray(cell_values(field)), np.asarray(face_values(field))
+    cells, faces = np.asarray(field.cell_values()), np.asarray(field.face_values())
     assert cells.shape == (len(MESH.cells),) and faces.shape == (len(MESH.faces),)
     assert np.allclose(cells, 2.0, rtol=1e-9) and np.allclose(faces, 2.0, rtol=1e-9)
     assert (len(pairs) == 0) == (count == 1)
@@ -48,7 +48,7 @@ def test_the_network_has_the_parameters_of_its_layers(octaves: int) -> None:
 def test_the_network_starts_near_the_initial_value(linear: bool) -> None:
     quantity = QUANTITIES["emissivity"]
     field, _ = Network(count=9, width=8, linear=linear).make(quantity, MESH, 0.5, 3)
-    values = np.asarray(cell_values(field))
+    values = np.asarray(field.cell_values())
     assert np.abs(np.log(values / 0.5)).max() < 0.5
     assert np.ptp(values) > 0
 
@@ -70,7 +70,7 @@ def test_a_patch_has_one_value_and_points_are_interpolated() -> None:
     for choice in (Patchwise(patches=5), OnControlPoints(count=5)):
         field, _ = choice.make(QUANTITY, MESH, 2.0, 0)
         moved = field.with_parameters(field.parameters() + 0.3 * np.arange(5))
-        values[type(choice)] = len(np.unique(np.round(np.asarray(cell_values(moved)), 9)))
+        values[type(choice)] = len(np.unique(np.round(np.asarray(moved.cell_values()), 9)))
     assert values[Patchwise] == 5
     assert values[OnControlPoints] > 5
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, final
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -24,7 +24,8 @@ from thermo.inverse._first_order import loss
 from thermo.inverse._minimise import minimise
 from thermo.inverse._objective import Objective, start
 
-from .objectives import beliefs
+from .objectives import at, beliefs
+from .walk import Walk
 
 TIGHT = {
     "lm": LevenbergMarquardt(max_steps=30, rtol=1e-8),
@@ -60,7 +61,7 @@ def test_second_order_methods_end_at_the_same_minimum(
 ) -> None:
     told: list[tuple[int, int, float]] = []
     optimiser = TIGHT[name]
-    fit = minimise([lambda: problem], optimiser, key="x", on_step=lambda *args: told.append(args))
+    fit = minimise([at(problem)], optimiser, key="x", on_step=lambda *args: told.append(args))
     assert fit.success
     (history,) = fit.history
     assert len(history) < optimiser.max_steps
@@ -74,7 +75,7 @@ def test_second_order_methods_end_at_the_same_minimum(
 
 
 def test_adam_makes_all_its_steps_downhill(problem: Objective) -> None:
-    fit = minimise([lambda: problem], ALL["adam"], key="x")
+    fit = minimise([at(problem)], ALL["adam"], key="x")
     (history,) = fit.history
     assert fit.success and len(history) == 8
     assert np.all(np.diff(history)[:6] < 0) and fit.loss < 0.1 * history[0]
@@ -84,7 +85,7 @@ def test_adam_makes_all_its_steps_downhill(problem: Objective) -> None:
 
 def test_adam_has_a_rate_for_each_field(problem: Objective) -> None:
     still = Adam(max_steps=2, rate=0.1, rates={"convection": 1e-9})
-    fit = minimise([lambda: problem], still, key="x")
+    fit = minimise([at(problem)], still, key="x")
     first = start(problem)
     moved = {name: np.abs(np.asarray(fit.parameters[name] - first[name])).max() for name in first}
     assert moved["conductivity"] == pytest.approx(0.1, rel=0.01)
@@ -96,7 +97,7 @@ def test_a_resumed_fit_runs_through_the_same_losses(
     name: str, problem: Objective, tmp_path: Path
 ) -> None:
     optimiser = ALL[name]
-    whole = minimise([lambda: problem], optimiser, key="x")
+    whole = minimise([at(problem)], optimiser, key="x")
     file = tmp_path / "checkpoint.npz"
 
     def stop(number: int, most: int, value: float) -> None:
@@ -104,11 +105,11 @@ def test_a_resumed_fit_runs_through_the_same_losses(
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        minimise([lambda: problem], optimiser, key="x", checkpoint=file, on_step=stop)
-    saved = load_checkpoint(file, "x", start(problem))
+        minimise([at(problem)], optimiser, key="x", checkpoint=file, on_step=stop)
+    saved = load_checkpoint(file, "x")
     assert saved is not None and len(saved.history[0]) == 2
     assert saved.best_loss == min(saved.history[0])
-    resumed = minimise([lambda: problem], optimiser, key="x", checkpoint=file)
+    resumed = minimise([at(problem)], optimiser, key="x", checkpoint=file)
     assert np.allclose(resumed.history[0], whole.history[0], rtol=1e-12, atol=0)
     assert len(resumed.history[0]) == len(whole.history[0])
     assert np.allclose(flat(resumed.parameters), flat(whole.parameters), rtol=0, atol=1e-12)
@@ -123,10 +124,10 @@ def test_a_checkpoint_of_another_fit_is_refused(problem: Objective, tmp_path: Pa
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        minimise([lambda: problem], ALL["adam"], key="one", checkpoint=file, on_step=stop)
+        minimise([at(problem)], ALL["adam"], key="one", checkpoint=file, on_step=stop)
     before = file.read_bytes()
     with pytest.raises(InputError) as caught:
-        minimise([lambda: problem], ALL["adam"], key="two", checkpoint=file)
+        minimise([at(problem)], ALL["adam"], key="two", checkpoint=file)
     assert caught.value.where == str(file)
     assert caught.value.value == "one"
     assert caught.value.limit == "two, the same data and settings as the fit that was interrupted"
@@ -139,8 +140,8 @@ def test_a_later_stage_begins_where_the_earlier_one_ended(
 ) -> None:
     other = beliefs(centre=0.4)
     optimiser = TIGHT["gauss_newton"]
-    fit = minimise([lambda: problem, lambda: other], optimiser, key="x")
-    first = minimise([lambda: problem], optimiser, key="x")
+    fit = minimise([at(problem), at(other)], optimiser, key="x")
+    first = minimise([at(problem)], optimiser, key="x")
     assert len(fit.history) == 2 and fit.history[0] == first.history[0]
     assert fit.history[1][0] == pytest.approx(float(loss(other, first.parameters)), rel=1e-12)
     assert not np.allclose(flat(fit.parameters), minimum, atol=0.1)
@@ -150,7 +151,7 @@ def test_interrupted_in_the_second_stage_the_first_is_not_repeated(
     problem: Objective, tmp_path: Path
 ) -> None:
     other = beliefs(centre=0.4)
-    whole = minimise([lambda: problem, lambda: other], ALL["adam"], key="x")
+    whole = minimise([at(problem), at(other)], ALL["adam"], key="x")
     file, seen = tmp_path / "checkpoint.npz", [0]
 
     def stop(number: int, most: int, value: float) -> None:
@@ -158,7 +159,7 @@ def test_interrupted_in_the_second_stage_the_first_is_not_repeated(
         if seen[0] == 8 + 2:
             raise KeyboardInterrupt
 
-    stages = [lambda: problem, lambda: other]
+    stages = [at(problem), at(other)]
     with pytest.raises(KeyboardInterrupt):
         minimise(stages, ALL["adam"], key="x", checkpoint=file, on_step=stop)
     told: list[int] = []
@@ -169,35 +170,9 @@ def test_interrupted_in_the_second_stage_the_first_is_not_repeated(
     assert np.allclose(resumed.history, whole.history, rtol=1e-12, atol=0)
 
 
-@final
-class Wanderer(AbstractOptimiser):
-    """Visits given distances from the minimum's side, so that its last step is not its best."""
-
-    max_steps: int = 4
-    path: tuple[float, ...] = (3.0, 0.5, 2.0, 1.0)
-
-    def begin(self, objective: Objective, parameters: Any) -> Any:
-        return 0
-
-    def resume(self, state: Any, memory: Any) -> Any:
-        return int(memory["count"])
-
-    def memory(self, state: Any) -> Any:
-        return {"count": np.asarray(state)}
-
-    def loss_at_arrival(self) -> bool:
-        return True
-
-    def fixed_length(self) -> bool:
-        return False
-
-    def advance(self, objective: Objective, parameters: Any, state: Any) -> Any:
-        new = jax.tree.map(lambda raw: jnp.full_like(raw, self.path[state]), parameters)
-        return new, state + 1, jnp.asarray(self.path[state] ** 2), (False, True)
-
-
 def test_the_best_step_is_kept_and_running_out_of_steps_is_no_success(problem: Objective) -> None:
-    fit = minimise([lambda: problem], Wanderer(), key="x")
+    walk = Walk(max_steps=4, losses=(9.0, 0.25, 4.0, 1.0), fixed=False)
+    fit = minimise([at(problem)], walk, key="x")
     assert fit.history == [[9.0, 0.25, 4.0, 1.0]]
-    assert fit.loss == 0.25 and set(flat(fit.parameters)) == {0.5}
-    assert not fit.success
+    assert fit.loss == 0.25 and not fit.success
+    assert np.allclose(flat(fit.parameters), flat(start(problem)) + 0.2)

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from jax.flatten_util import ravel_pytree
 
-from thermo.fields import cell_values
 from thermo.inverse._case import Case
 from thermo.inverse._first_order import loss
 from thermo.inverse._objective import (
@@ -124,5 +123,5 @@ def test_the_gradient_agrees_with_the_jacobian(
 def test_fields_with_the_starting_parameters_are_the_fields(objective: Objective) -> None:
     again = with_fields(objective, start(objective))["conductivity"]
     assert np.array_equal(
-        np.asarray(cell_values(again)), np.asarray(cell_values(objective.fields["conductivity"]))
+        np.asarray(again.cell_values()), np.asarray(objective.fields["conductivity"].cell_values())
     )

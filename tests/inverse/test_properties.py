@@ -41,7 +41,8 @@ def made(**values: float) -> dict[str, np.ndarray]:
     fields = {
         name: Uniform().make(QUANTITIES[name], MESH, value, 0)[0] for name, value in values.items()
     }
-    body = properties(STATED, fields, len(MESH.cells), len(MESH.faces))
+    both = {name: (field.cell_values(), field.face_values()) for name, field in fields.items()}
+    body = properties(STATED, both, len(MESH.cells), len(MESH.faces))
     lengths = {"conductivity": "cells", "capacity": "cells"}
     found = {}
     for name in ("conductivity", "capacity", "convection", "emissivity"):

@@ -18,6 +18,8 @@ class Walk(AbstractOptimiser):
     """Adds 0.1 to every parameter, step by step; `seen` keeps what it was given."""
 
     max_steps: int = 3
+    losses: tuple[float, ...] = (1.0, 0.5, 0.25)
+    fixed: bool = True
     seen: list[tuple[Objective, Any]] = eqx.field(default_factory=list)
 
     def begin(self, objective: Objective, parameters: Any) -> Any:
@@ -33,12 +35,15 @@ class Walk(AbstractOptimiser):
         return True
 
     def fixed_length(self) -> bool:
-        return True
+        return self.fixed
+
+    def residual(self, state: Any) -> Any:
+        return None
 
     def advance(self, objective: Objective, parameters: Any, state: Any) -> Any:
         self.seen.append((objective, parameters))
         new = jax.tree.map(lambda raw: raw + 0.1, parameters)
-        return new, state + 1, jnp.asarray(1.0 / (state + 1)), (False, True)
+        return new, state + 1, jnp.asarray(self.losses[state % len(self.losses)]), (False, True)
 
     def __repr__(self) -> str:
         return f"Walk({self.max_steps})"

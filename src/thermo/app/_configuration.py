@@ -21,6 +21,7 @@ from thermo.inverse import (
     Patchwise,
     Prior,
     Stepping,
+    TwoMaterials,
     Uniform,
 )
 from thermo.physics.integrators import BackwardEuler, Sdirk2
@@ -32,6 +33,7 @@ FIELDS: Mapping[str, Callable[..., Any]] = {
     "patchwise": Patchwise,
     "control_points": OnControlPoints,
     "network": Network,
+    "two_materials": TwoMaterials,
 }
 OPTIMISERS: Mapping[str, Callable[..., Any]] = {
     "lm": LevenbergMarquardt,

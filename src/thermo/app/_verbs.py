@@ -64,10 +64,11 @@ def invert(settings: Configuration) -> None:
     record = write_inversion(out, estimate, settings)
     print(inversion_table(record))
     steps = sum(len(losses) for losses in estimate.history)
+    remedy = _remedy(len(estimate.history[-1]), arguments["optimiser"])
     ended = (
         f"Settled after {steps} steps."
         if estimate.success
-        else f"NOT CONVERGED after {steps} steps: {_remedy(steps, arguments['optimiser'])}."
+        else f"NOT CONVERGED after {steps} steps: {remedy}."
     )
     print(f"\n{ended} {estimate.resolution}\n{out / 'result.json'}, {estimate.seconds:.0f} s")
 
@@ -88,6 +89,7 @@ def predict(settings: Configuration) -> None:
         scene,
         Path(settings["estimate"]),
         runs=names(settings["runs"], "runs"),
+        meshing=build_meshing(settings["mesh"]),
         tolerance=number(settings, "tolerance", above=0.0),
     )
     seconds = time.monotonic() - begun

@@ -7,12 +7,13 @@ from thermo.fields._direct import (
     uniform_field,
 )
 from thermo.fields._extension import Extension
-from thermo.fields._field import AbstractField, cell_values, face_values
+from thermo.fields._field import AbstractField
 from thermo.fields._frozen import FrozenField, freeze
 from thermo.fields._head import AbstractHead, LinearHead, LogHead
 from thermo.fields._network import NetworkField, encode, network_field
 from thermo.fields._quantity import QUANTITIES, Quantity
 from thermo.fields._surface_graph import ControlPoints, place_control_points, surface_vertices
+from thermo.fields._two_materials import TwoMaterialField, two_material_field
 
 __all__ = [
     "QUANTITIES",
@@ -26,14 +27,14 @@ __all__ = [
     "LogHead",
     "NetworkField",
     "Quantity",
-    "cell_values",
+    "TwoMaterialField",
     "control_point_field",
     "encode",
-    "face_values",
     "freeze",
     "network_field",
     "patchwise_field",
     "place_control_points",
     "surface_vertices",
+    "two_material_field",
     "uniform_field",
 ]

@@ -45,6 +45,18 @@ class DirectField(AbstractField):
         """Physical values at the controls, in the quantity's unit."""
         return self.head.value(self.raw)
 
+    def smooth_values(self) -> Float[Array, " controls"]:
+        """log(phi) at the controls [1]."""
+        return jnp.log(self.control_values())
+
+    def cell_values(self) -> Float[Array, " cells"]:
+        """Values in the cells, in the quantity's unit."""
+        return self.extension.to_cells(self.control_values())
+
+    def face_values(self) -> Float[Array, " faces"]:
+        """Values on the boundary faces, in the quantity's unit."""
+        return self.extension.to_faces(self.control_values())
+
 
 def _direct(
     quantity: Quantity, extension: Extension, head: AbstractHead, initial: float, count: int

@@ -7,7 +7,6 @@ from abc import abstractmethod
 import equinox as eqx
 from jaxtyping import Array, Float, PyTree
 
-from thermo.fields._extension import Extension
 from thermo.fields._quantity import Quantity
 
 
@@ -18,7 +17,6 @@ class AbstractField(eqx.Module):
     """
 
     quantity: eqx.AbstractVar[Quantity]
-    extension: eqx.AbstractVar[Extension]
 
     @abstractmethod
     def parameters(self) -> PyTree[Float[Array, "..."]]:
@@ -32,12 +30,14 @@ class AbstractField(eqx.Module):
     def control_values(self) -> Float[Array, " controls"]:
         """Physical values at the controls, in the quantity's unit."""
 
+    @abstractmethod
+    def smooth_values(self) -> Float[Array, " controls"]:
+        """What neighbouring controls have nearly in common [1], for a prior on smoothness."""
 
-def cell_values(field: AbstractField) -> Float[Array, " cells"]:
-    """Values of a field in the cells, in its quantity's unit."""
-    return field.extension.to_cells(field.control_values())
+    @abstractmethod
+    def cell_values(self) -> Float[Array, " cells"]:
+        """Values in the cells, in the quantity's unit."""
 
-
-def face_values(field: AbstractField) -> Float[Array, " faces"]:
-    """Values of a field on the boundary faces, in its quantity's unit."""
-    return field.extension.to_faces(field.control_values())
+    @abstractmethod
+    def face_values(self) -> Float[Array, " faces"]:
+        """Values on the boundary faces, in the quantity's unit."""

@@ -66,6 +66,18 @@ class NetworkField(AbstractField):
         features = encode(jnp.asarray(self.points), self.octaves)
         return self.head.value(self.shift + jax.vmap(self.network)(features)[:, 0])
 
+    def smooth_values(self) -> Float[Array, " controls"]:
+        """log(phi) at the controls [1]."""
+        return jnp.log(self.control_values())
+
+    def cell_values(self) -> Float[Array, " cells"]:
+        """Values in the cells, in the quantity's unit."""
+        return self.extension.to_cells(self.control_values())
+
+    def face_values(self) -> Float[Array, " faces"]:
+        """Values on the boundary faces, in the quantity's unit."""
+        return self.extension.to_faces(self.control_values())
+
 
 def network_field(
     quantity: Quantity,

@@ -17,13 +17,15 @@ from thermo.inverse._field_choice import (
     Network,
     OnControlPoints,
     Patchwise,
+    TwoMaterials,
     Uniform,
 )
 from thermo.inverse._first_order import Adam, LimitedMemoryBfgs
+from thermo.inverse._forward import Prediction, Scores, score
 from thermo.inverse._invert import invert
 from thermo.inverse._least_squares import GaussNewtonKrylov, LevenbergMarquardt
 from thermo.inverse._optimiser import AbstractOptimiser
-from thermo.inverse._predict import Prediction, Scores, predict, score, simulate
+from thermo.inverse._predict import predict, simulate
 from thermo.inverse._stepping import Stepping
 from thermo.inverse._task import Prior
 
@@ -46,6 +48,7 @@ __all__ = [
     "RunFit",
     "Scores",
     "Stepping",
+    "TwoMaterials",
     "Uniform",
     "invert",
     "load_checkpoint",

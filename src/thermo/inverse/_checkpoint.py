@@ -17,6 +17,9 @@ import numpy as np
 from thermo.errors import InputError
 from thermo.inverse._objective import Parameters
 
+Leaves = list[np.ndarray]
+"""Parameters [1] without their names, as a file holds them."""
+
 
 @final
 @dataclass(frozen=True)
@@ -24,14 +27,15 @@ class Checkpoint:
     """A fit after some steps.
 
     - `key`: what was being fitted; another fit never takes it up.
-    - `stage`: number of the stage [1]; `parameters`, `best` [1]; `memory`: of the optimiser.
-    - `history`: loss after each step of each stage [1]; `best_loss` [1].
+    - `ends`: parameters [1] where each finished stage ended.
+    - `parameters`, `best`: of the present stage [1]; `best_loss`: there [1].
+    - `history`: loss after each step of each stage [1]; `memory`: of the optimiser.
     """
 
     key: str
-    stage: int
-    parameters: Parameters
-    best: Parameters
+    ends: list[Leaves]
+    parameters: Leaves
+    best: Leaves
     best_loss: float
     history: list[list[float]]
     memory: dict[str, Any] = field(default_factory=dict)
@@ -41,14 +45,14 @@ def save_checkpoint(path: Path, state: Checkpoint) -> None:
     """Write a checkpoint so that a reader finds the old one or the new one, never a part."""
     arrays: dict[str, np.ndarray] = {
         "key": np.asarray(state.key),
-        "stage": np.asarray(state.stage),
-        "best_loss": np.asarray(state.best_loss),
+        "least_loss": np.asarray(state.best_loss),
         "lengths": np.asarray([len(losses) for losses in state.history]),
         "losses": np.asarray([loss for losses in state.history for loss in losses]),
     }
-    for label, tree in (("now", state.parameters), ("best", state.best)):
-        for number, leaf in enumerate(jax.tree.leaves(tree)):
-            arrays[f"{label}_{number:03d}"] = np.asarray(leaf)
+    parts = {f"end{number}": leaves for number, leaves in enumerate(state.ends)}
+    for label, leaves in (parts | {"now": state.parameters, "best": state.best}).items():
+        for number, leaf in enumerate(leaves):
+            arrays[f"{label}_{number:03d}"] = leaf
     arrays.update({f"memory_{name}": value for name, value in state.memory.items()})
     handle, name = tempfile.mkstemp(dir=path.parent, suffix=".npz")
     os.close(handle)
@@ -60,10 +64,20 @@ def save_checkpoint(path: Path, state: Checkpoint) -> None:
         Path(name).unlink(missing_ok=True)
 
 
-def load_checkpoint(path: Path, key: str, like: Parameters) -> Checkpoint | None:
+def _unreadable(where: str, fault: Exception) -> InputError:
+    return InputError(
+        "this checkpoint cannot be read",
+        where=where,
+        value=f"{type(fault).__name__}: {fault}",
+        limit="a file that an interrupted fit left",
+        remedy="delete it to start anew",
+    )
+
+
+def load_checkpoint(path: Path, key: str) -> Checkpoint | None:
     """Read a checkpoint of the same fit, or None where there is none.
 
-    Arguments: `key`: what is being fitted; `like`: parameters [1] of the same structure.
+    Arguments: `key`: what is being fitted.
 
     Raises `InputError` where the file belongs to another fit or cannot be read.
     """
@@ -80,29 +94,19 @@ def load_checkpoint(path: Path, key: str, like: Parameters) -> Checkpoint | None
                 limit=f"{key}, the same data and settings as the fit that was interrupted",
                 remedy="give another `out` folder, or delete the file to start anew",
             )
-        return _restore(arrays, like)
+        return _restore(arrays)
     except InputError:
         raise
     except (OSError, EOFError, KeyError, ValueError, BadZipFile, zlib.error) as fault:
-        raise InputError(
-            "this checkpoint cannot be read",
-            where=str(path),
-            value=f"{type(fault).__name__}: {fault}",
-            limit="a file that an interrupted fit left",
-            remedy="delete it to start anew",
-        ) from fault
+        raise _unreadable(str(path), fault) from fault
 
 
-def _restore(arrays: dict[str, np.ndarray], like: Parameters) -> Checkpoint:
-    leaves, shape = jax.tree.flatten(like)
-    trees = []
-    for label in ("now", "best"):
-        stored = [arrays[f"{label}_{number:03d}"] for number in range(len(leaves))]
-        for mine, leaf in zip(stored, leaves, strict=True):
-            if mine.shape != np.shape(leaf):
-                raise ValueError(f"parameters of shape {mine.shape}, not {np.shape(leaf)}")
-        trees.append(jax.tree.unflatten(shape, [jnp.asarray(mine) for mine in stored]))
-    ends = np.cumsum(arrays["lengths"])[:-1]
+def _restore(arrays: dict[str, np.ndarray]) -> Checkpoint:
+    def leaves(label: str) -> Leaves:
+        return [arrays[name] for name in sorted(arrays) if name.startswith(f"{label}_")]
+
+    stages = len(arrays["lengths"])
+    cuts = np.cumsum(arrays["lengths"])[:-1]
     memory = {
         name.removeprefix("memory_"): value
         for name, value in arrays.items()
@@ -110,10 +114,27 @@ def _restore(arrays: dict[str, np.ndarray], like: Parameters) -> Checkpoint:
     }
     return Checkpoint(
         key=str(arrays["key"]),
-        stage=int(arrays["stage"]),
-        parameters=trees[0],
-        best=trees[1],
-        best_loss=float(arrays["best_loss"]),
-        history=[list(map(float, part)) for part in np.split(arrays["losses"], ends)],
+        ends=[leaves(f"end{number}") for number in range(stages - 1)],
+        parameters=leaves("now"),
+        best=leaves("best"),
+        best_loss=float(arrays["least_loss"]),
+        history=[list(map(float, part)) for part in np.split(arrays["losses"], cuts)],
         memory=memory,
     )
+
+
+def leaves_of(parameters: Parameters) -> Leaves:
+    """The arrays of parameters [1], in the order of their names."""
+    return [np.asarray(leaf) for leaf in jax.tree.leaves(parameters)]
+
+
+def parameters_of(leaves: Leaves, like: Parameters, where: str) -> Parameters:
+    """The arrays of a checkpoint as parameters [1] of the structure of others.
+
+    Raises `InputError`, which names the file `where`, for arrays of other shapes.
+    """
+    mine, shape = jax.tree.flatten(like)
+    if [np.shape(leaf) for leaf in leaves] != [np.shape(leaf) for leaf in mine]:
+        found = ", ".join(str(np.shape(leaf)) for leaf in leaves) or "none"
+        raise _unreadable(where, ValueError(f"parameters of shapes {found}"))
+    return jax.tree.unflatten(shape, [jnp.asarray(leaf) for leaf in leaves])

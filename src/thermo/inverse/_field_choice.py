@@ -18,6 +18,7 @@ from thermo.fields import (
     network_field,
     patchwise_field,
     place_control_points,
+    two_material_field,
     uniform_field,
 )
 from thermo.mesh import Mesh
@@ -33,6 +34,16 @@ class AbstractFieldChoice(eqx.Module):
         self, quantity: Quantity, mesh: Mesh, initial: float, seed: int
     ) -> tuple[AbstractField, np.ndarray]:
         """A field that starts at `initial`, in the quantity's unit, and its neighbouring pairs."""
+
+    @abstractmethod
+    def stages(self) -> int:
+        """The least number of stages [1] that a fit of this field has."""
+
+    @abstractmethod
+    def go_on(
+        self, field: AbstractField, pairs: np.ndarray, mesh: Mesh, seed: int
+    ) -> tuple[AbstractField, np.ndarray]:
+        """What the last stage fits, from the field and pairs [1] of the stage before."""
 
 
 def _log_head(quantity: Quantity) -> AbstractHead:
@@ -50,6 +61,17 @@ class Uniform(AbstractFieldChoice):
         del seed
         return uniform_field(quantity, mesh, _log_head(quantity), initial), NO_PAIRS
 
+    def stages(self) -> int:
+        """One stage [1] will do."""
+        return 1
+
+    def go_on(
+        self, field: AbstractField, pairs: np.ndarray, mesh: Mesh, seed: int
+    ) -> tuple[AbstractField, np.ndarray]:
+        """The same field, with its pairs [1]."""
+        del mesh, seed
+        return field, pairs
+
 
 @final
 class Patchwise(AbstractFieldChoice):
@@ -65,6 +87,17 @@ class Patchwise(AbstractFieldChoice):
         head = _log_head(quantity)
         return patchwise_field(quantity, mesh, head, initial, controls), controls.pairs
 
+    def stages(self) -> int:
+        """One stage [1] will do."""
+        return 1
+
+    def go_on(
+        self, field: AbstractField, pairs: np.ndarray, mesh: Mesh, seed: int
+    ) -> tuple[AbstractField, np.ndarray]:
+        """The same field, with its pairs [1]."""
+        del mesh, seed
+        return field, pairs
+
 
 @final
 class OnControlPoints(AbstractFieldChoice):
@@ -79,6 +112,49 @@ class OnControlPoints(AbstractFieldChoice):
         controls = place_control_points(mesh, self.count, seed=seed)
         head = _log_head(quantity)
         return control_point_field(quantity, mesh, head, initial, controls), controls.pairs
+
+    def stages(self) -> int:
+        """One stage [1] will do."""
+        return 1
+
+    def go_on(
+        self, field: AbstractField, pairs: np.ndarray, mesh: Mesh, seed: int
+    ) -> tuple[AbstractField, np.ndarray]:
+        """The same field, with its pairs [1]."""
+        del mesh, seed
+        return field, pairs
+
+
+@final
+class TwoMaterials(AbstractFieldChoice):
+    """Two values with a boundary between them whose place is found.
+
+    A first stage fits values on `count` [1] control points. They are then parted into two groups,
+    and the last stage fits the value of each and shifts the boundary between them.
+    """
+
+    count: int = 100
+
+    def make(
+        self, quantity: Quantity, mesh: Mesh, initial: float, seed: int
+    ) -> tuple[AbstractField, np.ndarray]:
+        """A field that starts at `initial`, in the quantity's unit, and its neighbouring pairs."""
+        return OnControlPoints(self.count).make(quantity, mesh, initial, seed)
+
+    def stages(self) -> int:
+        """Two [1]: where the boundary is must be known roughly before it can be sharp."""
+        return 2
+
+    def go_on(
+        self, field: AbstractField, pairs: np.ndarray, mesh: Mesh, seed: int
+    ) -> tuple[AbstractField, np.ndarray]:
+        """Two materials and their pairs [1]; the same field where it is uniform."""
+        controls = place_control_points(mesh, self.count, seed=seed)
+        values = np.asarray(field.control_values())
+        parted = two_material_field(
+            field.quantity, mesh, _log_head(field.quantity), controls, values
+        )
+        return (field, pairs) if parted is None else parted
 
 
 @final
@@ -113,3 +189,14 @@ class Network(AbstractFieldChoice):
             depth=self.depth,
         )
         return field, controls.pairs
+
+    def stages(self) -> int:
+        """One stage [1] will do."""
+        return 1
+
+    def go_on(
+        self, field: AbstractField, pairs: np.ndarray, mesh: Mesh, seed: int
+    ) -> tuple[AbstractField, np.ndarray]:
+        """The same field, with its pairs [1]."""
+        del mesh, seed
+        return field, pairs

@@ -69,6 +69,10 @@ class LimitedMemoryBfgs(AbstractOptimiser):
         """Yes: the loss [1] belongs to the accepted parameters."""
         return True
 
+    def residual(self, state: Any) -> Float[Array, " all"] | None:
+        """None: the state holds the loss only [1]."""
+        del state
+
     def memory(self, state: Any) -> Memory:
         """The whole state [1]: some vectors as long as the parameters."""
         return _leaves(state)
@@ -142,6 +146,10 @@ class Adam(AbstractOptimiser):
     def loss_at_arrival(self) -> bool:
         """No: the loss [1] is that before the step."""
         return False
+
+    def residual(self, state: Any) -> Float[Array, " all"] | None:
+        """None: the state holds the loss only [1]."""
+        del state
 
     def memory(self, state: Any) -> Memory:
         """The moments [1]."""

@@ -10,7 +10,7 @@ from typing import Literal
 import jax.numpy as jnp
 import numpy as np
 
-from thermo.fields import AbstractField, cell_values, face_values
+from thermo.fields import AbstractField
 from thermo.inverse._body import Meshing, check_values, duration
 from thermo.inverse._estimate import Estimate, RecoveredField
 from thermo.inverse._field_choice import AbstractFieldChoice, OnControlPoints
@@ -22,7 +22,7 @@ from thermo.inverse._properties import Stated, check_unknowns
 from thermo.inverse._run_fit import run_fits
 from thermo.inverse._selection import select_fit_runs, select_unknowns
 from thermo.inverse._stepping import Stepping
-from thermo.inverse._task import Prior, Task, make_objective, prepare
+from thermo.inverse._task import Prior, Task, make_stage, prepare, stage_orders
 from thermo.mesh import resolution
 from thermo.observe import Scene, read_scene
 
@@ -37,7 +37,7 @@ def invert(
     prior: Prior | None = None,
     stepping: Stepping | None = None,
     meshing: Meshing | None = None,
-    stages: Literal["none", "tet4_tet10"] = "none",
+    stages: Literal["none", "tet4_tet10"] = "tet4_tet10",
     initial: dict[str, float] | None = None,
     seed: int = 0,
     model_error: float = 0.01,
@@ -56,7 +56,8 @@ def invert(
     - `unknown`: quantities to find; the scene's own by default.
     - `choice`: how they vary over the object, control points by default; `prior`: how smoothly.
     - `optimiser`, `stepping`, `meshing`: with their own units.
-    - `stages`: "tet4_tet10" fits on linear cells first, then on quadratic ones from that field.
+    - `stages`: "tet4_tet10" fits on linear cells first, then on quadratic ones from that field,
+      where `meshing` asks for quadratic ones.
     - `initial`: by quantity [SI], in place of what the scene states: first values of unknowns,
       and values of the rest. An unknown conductivity that nobody states is first found to a
       factor three by a scan on a coarse mesh.
@@ -84,18 +85,15 @@ def invert(
 
 def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: float) -> Estimate:
     ready = prepare(task)
-    orders = [1, 2] if task.stages == "tet4_tet10" else [task.meshing.order]
-    # The last one also says how each run was met.
-    made = functools.cache(lambda order: make_objective(task, ready, order))
+    orders = stage_orders(task)
     fit = minimise(
-        [functools.partial(made, order) for order in orders],
+        [functools.partial(make_stage, task, ready, number) for number in range(len(orders))],
         task.optimiser,
         key=task.key(),
         checkpoint=checkpoint,
         on_step=on_step,
     )
-    last = made(orders[-1])
-    found = with_fields(last, fit.parameters)
+    found = with_fields(fit.objective, fit.parameters)
     diffusivity = _median_diffusivity(ready.stated, found)
     resolved = resolution(ready.mesh, diffusivity=diffusivity, duration=duration(task.scene))
     return Estimate(
@@ -103,7 +101,7 @@ def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: flo
         order=orders[-1],
         stated=ready.stated,
         fields=_recovered(found),
-        runs=run_fits(last, fit, task.runs, ready.grids),
+        runs=run_fits(fit, task.runs, ready.grids),
         history=fit.history,
         success=fit.success,
         seconds=time.monotonic() - begun,
@@ -112,7 +110,7 @@ def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: flo
 
 
 def _median_diffusivity(stated: Stated, found: dict[str, AbstractField]) -> float:
-    body = {name: float(jnp.median(cell_values(item))) for name, item in found.items()}
+    body = {name: float(jnp.median(item.cell_values())) for name, item in found.items()}
     if "diffusivity" in body:
         return body["diffusivity"]
     conductivity = body.get("conductivity", stated.conductivity)
@@ -124,8 +122,8 @@ def _recovered(found: dict[str, AbstractField]) -> dict[str, RecoveredField]:
         name: RecoveredField(
             name,
             item.quantity.unit,
-            np.asarray(cell_values(item)),
-            np.asarray(face_values(item)),
+            np.asarray(item.cell_values()),
+            np.asarray(item.face_values()),
         )
         for name, item in found.items()
     }

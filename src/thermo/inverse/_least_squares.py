@@ -23,16 +23,13 @@ FIRST_STEP = 1e2
 # Largest change of a parameter in one step [1]; fields are logarithmic, so a factor e.
 LONGEST = 1.0
 
-# Gain of a step [1] below which a fit has settled: in units of log-likelihood, and as a share of
-# the loss for fits whose misfit is far above the noise. Coarse tangents promise no better than
-# they agree with the true ones, so that less is asked of them.
+# Gain of a step [1] below which a fit has settled, in units of log-likelihood; an objective adds a
+# share of the loss, for fits whose misfit is far above the noise.
 SETTLED = 0.05
-SETTLED_SHARE = 1e-4
-SETTLED_COARSE = 1e-3
 
 # Trials in a row [1] that may fail where coarse tangents steer: from there they no longer know
 # which way is down, and shorter steps along them would only cost time. That is no success.
-STALLED = 2
+STALLED = 3
 
 # Of the trust region: change of the loss, as a share of the predicted one [1], from which a step
 # is accepted or good, and factors of the trust after a good and after a rejected step [1].
@@ -59,13 +56,17 @@ def _dense_residual(objective: Objective, unravel: Any) -> Any:
     return function
 
 
-def _bounded(move: Float[Array, " unknowns"]) -> Float[Array, " unknowns"]:
-    """The step [1], shortened where it would move a parameter by more than `LONGEST`.
+def _bounded(move: Float[Array, " unknowns"], trust: Float[Array, ""]) -> Float[Array, " unknowns"]:
+    """The step [1] with every parameter's change cut at `LONGEST`, or less where trust was lost.
 
     Far from the answer a field can be so stiff that the data hardly change with it, and the
-    undamped step leaves the bounds; finding the right damping by trial costs a run a trial.
+    undamped step leaves the bounds; finding the right damping by trial costs a run a trial. Each
+    parameter is cut by itself: one that the data hardly know would hold up all others. Damping
+    counts only once it is as large as the normal matrix, after many rejected steps; the cut
+    follows `trust`, the inverse of the damping [1], from the first one on.
     """
-    return move * jnp.minimum(1.0, LONGEST / jnp.maximum(optx.max_norm(move), 1e-12))
+    most = LONGEST * jnp.minimum(1.0, trust / FIRST_STEP)
+    return jnp.clip(move, -most, most)
 
 
 @final
@@ -82,7 +83,7 @@ class _BoundedDescent(optx.AbstractDescent):
 
     def step(self, step_size: Any, state: Any) -> Any:
         move, result = self.damped.step(step_size, state)
-        return _bounded(move), result
+        return _bounded(move, step_size), result
 
 
 def _prepare(
@@ -112,6 +113,7 @@ def _advance(
     objective: Objective, parameters: Parameters, state: Any, solver: Any
 ) -> tuple[Parameters, Any, Float[Array, ""], Any]:
     function, flat, unravel = _prepare(objective, parameters)
+    before = state
     new, state, _ = solver.step(function, flat, None, {}, state, frozenset())
     done, result = solver.terminate(function, new, None, {}, state, frozenset())
     loss = 0.5 * jnp.sum(state.f_info.residual**2)
@@ -119,12 +121,14 @@ def _advance(
     # more than a fraction of its own uncertainty.
     change = state.f_info.jac.mv(state.y_eval - new)
     promise = -jnp.sum(change * (state.f_info.residual + 0.5 * change))
-    share = SETTLED_SHARE if objective.tangents is None else SETTLED_COARSE
-    settled = promise < jnp.maximum(SETTLED, share * loss)
+    settled = promise < jnp.maximum(SETTLED, objective.settled * loss)
+    stalled = jnp.zeros_like(settled)
+    if objective.tangents is not None:
+        # What coarse tangents promise is not what they gain: a gain as small as that ends it too.
+        gain = 0.5 * jnp.sum(before.f_info.residual**2) - loss
+        settled = settled | (~before.first_step & (gain > 0) & (gain < objective.settled * loss))
+        stalled = state.num_steps_since_acceptance >= STALLED
     fine = (done & (result == optx.RESULTS.successful)) | settled
-    stalled = state.num_steps_since_acceptance >= STALLED
-    if objective.tangents is None:
-        stalled = jnp.zeros_like(stalled)
     return unravel(new), state, loss, (done | settled | stalled, fine)
 
 
@@ -165,6 +169,10 @@ class LevenbergMarquardt(AbstractOptimiser):
     def loss_at_arrival(self) -> bool:
         """Yes: the loss [1] belongs to the accepted parameters."""
         return True
+
+    def residual(self, state: Any) -> Float[Array, " all"] | None:
+        """The residual [1] of the accepted parameters."""
+        return state.f_info.residual
 
     def memory(self, state: Any) -> Memory:
         """The damping and the number of accepted steps [1]."""
@@ -226,11 +234,11 @@ def _advance_krylov(
     )
     # Running out of iterations is no failure: what conjugate gradients have by then is still a
     # direction of descent, and the trust region judges it.
-    move = _bounded(lx.linear_solve(damped, -slope, inner, throw=False).value)
+    move = _bounded(lx.linear_solve(damped, -slope, inner, throw=False).value, step)
     loss = 0.5 * jnp.sum(value**2)
     predicted = slope @ move + 0.5 * jnp.sum(push(move) ** 2)
     moved = accept & begun
-    settled = -predicted < jnp.maximum(SETTLED, SETTLED_SHARE * loss)
+    settled = -predicted < jnp.maximum(SETTLED, objective.settled * loss)
     settled = settled | (moved & jnp.all(jnp.abs(flat - stood) < rtol * (1 + jnp.abs(flat))))
     return unravel(flat), _Trial(step, loss, flat + move, predicted), loss, (settled, settled)
 
@@ -269,6 +277,10 @@ class GaussNewtonKrylov(AbstractOptimiser):
     def loss_at_arrival(self) -> bool:
         """Yes: the loss [1] belongs to the accepted parameters."""
         return True
+
+    def residual(self, state: Any) -> Float[Array, " all"] | None:
+        """None: products with the Jacobian need not keep it [1]."""
+        del state
 
     def memory(self, state: Any) -> Memory:
         """The damping, the loss and the trial point [1]."""

@@ -7,7 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
-from thermo.inverse._checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from jaxtyping import Array, Float
+
+from thermo.inverse._checkpoint import (
+    Checkpoint,
+    Leaves,
+    leaves_of,
+    load_checkpoint,
+    parameters_of,
+    save_checkpoint,
+)
 from thermo.inverse._objective import Objective, Parameters, start
 from thermo.inverse._optimiser import AbstractOptimiser
 
@@ -15,31 +24,38 @@ OnStep = Callable[[int, int, float], None]
 """Called after each step with its number, the most steps there can be, and the loss [1]."""
 
 
+Stage = Callable[[Parameters | None], Objective]
+"""Makes the objective of a stage from where the one before ended, None for the first."""
+
+
 @final
 @dataclass(frozen=True)
 class Fit:
     """The end of a fit.
 
-    - `parameters`: the best that were met [1]; `loss`: there [1].
-    - `history`: loss after each step, a list for each stage [1].
+    - `objective`: of the last stage; `parameters`: the best that were met there [1].
+    - `loss`: there [1]; `residual`: there, whitened [1], where the optimiser kept it.
+    - `history`: loss after each step of each stage [1].
     - `success`: whether the optimiser met its own stopping rule.
     """
 
+    objective: Objective
     parameters: Parameters
     loss: float
+    residual: Float[Array, " all"] | None
     history: list[list[float]]
     success: bool
 
 
 def minimise(
-    stages: list[Callable[[], Objective]],
+    stages: list[Stage],
     optimiser: AbstractOptimiser,
     *,
     key: str,
     checkpoint: Path | None = None,
     on_step: OnStep | None = None,
 ) -> Fit:
-    """Run an optimiser through the stages, each from exactly the field of the one before.
+    """Run an optimiser through the stages, each from where the one before ended.
 
     Arguments:
 
@@ -52,45 +68,45 @@ def minimise(
 
     Source: paper, appendix B.8 (checklist E6, E7).
     """
-    objective = stages[0]()
-    saved = None
-    if checkpoint is not None:
-        saved = load_checkpoint(checkpoint, key, start(objective))
-    first = 0 if saved is None else saved.stage
-    history = [] if saved is None else saved.history[:first]
-    parameters = start(objective) if saved is None else saved.parameters
-    result = None
-    for stage in range(first, len(stages)):
-        objective = objective if stage == 0 else stages[stage]()
-        if saved is not None and stage == first:
-            resumed = saved
-        else:
-            resumed = Checkpoint(key, stage, parameters, parameters, float("inf"), [])
-        losses = list(saved.history[stage]) if resumed is saved and saved is not None else []
+    saved = None if checkpoint is None else load_checkpoint(checkpoint, key)
+    objective = stages[0](None)
+    ended = [] if saved is None else saved.ends
+    for number, leaves in enumerate(ended):
+        before = parameters_of(leaves, start(objective), str(checkpoint))
+        objective = stages[number + 1](before)
 
-        def keep(state: Checkpoint) -> None:
-            if checkpoint is not None:
-                save_checkpoint(checkpoint, state)
-
-        result = _run_stage(objective, optimiser, resumed, history, losses, keep, on_step)
-        parameters, history = result.parameters, result.history
+    now = _beginning(key, objective, [], []) if saved is None else saved
+    fit = _run_stage(objective, optimiser, now, checkpoint, on_step)
+    while len(now.ends) + 1 < len(stages):
+        ends = [*now.ends, leaves_of(fit.parameters)]
+        objective = stages[len(ends)](fit.parameters)
+        now = _beginning(key, objective, ends, fit.history)
+        fit = _run_stage(objective, optimiser, now, checkpoint, on_step)
     if checkpoint is not None:
         checkpoint.unlink(missing_ok=True)
-    if result is None:
-        raise ValueError("a fit has at least one stage")
-    return result
+    return fit
+
+
+def _beginning(
+    key: str, objective: Objective, ends: list[Leaves], history: list[list[float]]
+) -> Checkpoint:
+    here = leaves_of(start(objective))
+    return Checkpoint(key, ends, here, here, float("inf"), [*history, []])
 
 
 def _run_stage(
     objective: Objective,
     optimiser: AbstractOptimiser,
     begun: Checkpoint,
-    earlier: list[list[float]],
-    losses: list[float],
-    keep: Callable[[Checkpoint], None],
+    checkpoint: Path | None,
     on_step: OnStep | None,
 ) -> Fit:
-    parameters, best, best_loss = begun.parameters, begun.best, begun.best_loss
+    like = start(objective)
+    parameters, best = (
+        parameters_of(leaves, like, str(checkpoint)) for leaves in (begun.parameters, begun.best)
+    )
+    best_loss = begun.best_loss
+    earlier, losses, residual = begun.history[:-1], list(begun.history[-1]), None
     state = optimiser.begin(objective, parameters)
     if begun.memory:
         state = optimiser.resume(state, begun.memory)
@@ -102,20 +118,15 @@ def _run_stage(
         if losses[-1] <= best_loss:
             # Least-squares steps report the loss where they arrive, Adam that where it left.
             best, best_loss = (parameters if optimiser.loss_at_arrival() else before), losses[-1]
-        keep(
-            Checkpoint(
-                begun.key,
-                begun.stage,
-                parameters,
-                best,
-                best_loss,
-                [*earlier, losses],
-                optimiser.memory(state),
-            )
-        )
+            residual = optimiser.residual(state)
+        history, memory = [*earlier, losses], optimiser.memory(state)
+        if checkpoint is not None:
+            here, least = leaves_of(parameters), leaves_of(best)
+            now = Checkpoint(begun.key, begun.ends, here, least, best_loss, history, memory)
+            save_checkpoint(checkpoint, now)
         if on_step is not None:
             on_step(count + 1, optimiser.max_steps, losses[-1])
         if bool(done):
             success = bool(fine)
             break
-    return Fit(best, best_loss, [*earlier, losses], success)
+    return Fit(objective, best, best_loss, residual, [*earlier, losses], success)

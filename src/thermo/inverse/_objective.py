@@ -25,8 +25,8 @@ Parameters = dict[str, PyTree[Float[Array, "..."]]]
 class FieldPrior(eqx.Module):
     """What is believed of a field before the data.
 
-    - `pairs`: neighbouring controls, (pairs, 2); `step`: standard deviation of the difference of
-      log(phi) between neighbours [1].
+    - `pairs`: neighbouring controls, (pairs, 2); `step`: standard deviation between neighbours of
+      the difference of log(phi), or of what else the field holds to be smooth [1].
     - `centre`: a value in the field's unit, and `spread` the standard deviation of log(phi) about
       it [1]; infinity means that nothing is believed.
     - `decay`: weight of the squared parameters [1].
@@ -44,8 +44,9 @@ class FieldPrior(eqx.Module):
 
 def prior_residual(prior: FieldPrior, field: AbstractField) -> Float[Array, " terms"]:
     """Dimensionless residuals [1] of a field's smoothness, prior and parameter size."""
+    values = field.smooth_values()
+    smooth = (values[prior.pairs[:, 0]] - values[prior.pairs[:, 1]]) / prior.step
     log = jnp.log(field.control_values())
-    smooth = (log[prior.pairs[:, 0]] - log[prior.pairs[:, 1]]) / prior.step
     about = (jnp.mean(log, keepdims=True) - jnp.log(prior.centre)) / prior.spread
     flat, _ = ravel_pytree(field.parameters())
     return jnp.concatenate([smooth, about, jnp.sqrt(prior.decay) * flat])
@@ -60,6 +61,7 @@ class Objective(eqx.Module):
     - `tangents`: a cheaper objective of the same shape whose dense Jacobian stands in, or None.
     - `sequence`: the numbers of the runs in the order in which `cases` hold them.
     - `integrator`, `solver`: of the simulation; `lagged`: the paper's radiation.
+    - `settled`: a fit ends where a step promises less than this share of the loss [1].
 
     Source: paper, appendix B.7 (checklist D4, E1, E2, E5).
     """
@@ -74,6 +76,7 @@ class Objective(eqx.Module):
     lagged: bool = eqx.field(static=True, default=False)
     tangents: Objective | None = None
     sequence: tuple[int, ...] = eqx.field(static=True, default=())
+    settled: float = eqx.field(static=True, default=1e-4)
 
 
 def start(objective: Objective) -> Parameters:
@@ -93,7 +96,8 @@ def case_temperatures(
 ) -> Float[Array, "frames samples"]:
     """Simulated temperatures [K] of one run at its samples and frames."""
     space = objective.space
-    body = properties(objective.stated, fields, len(space.mesh.cells), len(space.mesh.faces))
+    values = {name: (field.cell_values(), field.face_values()) for name, field in fields.items()}
+    body = properties(objective.stated, values, len(space.mesh.cells), len(space.mesh.faces))
     model = make_model(space, body, case.under, lagged=objective.lagged)
     initial = case.under.start(len(space.mesh.nodes))
     temperature = solve_heat(

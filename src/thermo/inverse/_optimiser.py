@@ -41,5 +41,9 @@ class AbstractOptimiser(eqx.Module):
         """Whether the loss [1] of a step is that of the parameters where it ends."""
 
     @abstractmethod
+    def residual(self, state: Any) -> Float[Array, " all"] | None:
+        """Whitened residual [1] where a step arrived, None where the state does not hold it."""
+
+    @abstractmethod
     def fixed_length(self) -> bool:
         """Whether it simply makes all its steps [1], with no stopping rule to meet."""

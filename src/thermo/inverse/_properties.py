@@ -7,10 +7,10 @@ from typing import final
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from thermo.errors import InputError
-from thermo.fields import AbstractField, cell_values, face_values
 from thermo.observe import Scene
 
 
@@ -91,14 +91,16 @@ def check_unknowns(unknown: tuple[str, ...], scene: Scene, given: Collection[str
             )
 
 
-def properties(
-    stated: Stated, fields: Mapping[str, AbstractField], cells: int, faces: int
-) -> Properties:
-    """Properties of the body, with fields in place of stated values.
+Values = tuple[Float[Array | np.ndarray, " cells"], Float[Array | np.ndarray, " faces"]]
+"""A quantity in the cells and on the faces, in its unit."""
+
+
+def properties(stated: Stated, values: Mapping[str, Values], cells: int, faces: int) -> Properties:
+    """Properties of the body, with quantities that vary in place of stated values.
 
     Arguments:
 
-    - `stated`: uniform values [SI]; `fields`: by quantity name.
+    - `stated`: uniform values [SI]; `values`: by quantity name, in cells and on faces.
     - `cells`, `faces`: their numbers [1].
 
     Diffusivity is k = alpha rho c at the capacity in force; scaled quantities likewise, h = beta
@@ -106,22 +108,21 @@ def properties(
 
     Source: paper, appendix B.2 (checklist B3).
     """
-    capacity = jnp.full(cells, stated.capacity)
-    if "volumetric_heat_capacity" in fields:
-        capacity = cell_values(fields["volumetric_heat_capacity"])
-    conductivity = jnp.full(cells, stated.conductivity)
-    if "conductivity" in fields:
-        conductivity = cell_values(fields["conductivity"])
-    elif "diffusivity" in fields:
-        conductivity = cell_values(fields["diffusivity"]) * capacity
-    convection = jnp.full(faces, stated.convection)
-    if "convection" in fields:
-        convection = face_values(fields["convection"])
-    elif "scaled_convection" in fields:
-        convection = face_values(fields["scaled_convection"]) * stated.capacity
-    emissivity = jnp.full(faces, stated.emissivity)
-    if "emissivity" in fields:
-        emissivity = face_values(fields["emissivity"])
-    elif "scaled_emissivity" in fields:
-        emissivity = face_values(fields["scaled_emissivity"]) * stated.capacity
+
+    def inside(name: str, other: float) -> Float[Array, " cells"]:
+        return jnp.asarray(values[name][0]) if name in values else jnp.full(cells, other)
+
+    def outside(name: str, other: float) -> Float[Array, " faces"]:
+        return jnp.asarray(values[name][1]) if name in values else jnp.full(faces, other)
+
+    capacity = inside("volumetric_heat_capacity", stated.capacity)
+    conductivity = inside("conductivity", stated.conductivity)
+    if "diffusivity" in values:
+        conductivity = inside("diffusivity", 0.0) * capacity
+    convection = outside("convection", stated.convection)
+    if "scaled_convection" in values:
+        convection = outside("scaled_convection", 0.0) * stated.capacity
+    emissivity = outside("emissivity", stated.emissivity)
+    if "scaled_emissivity" in values:
+        emissivity = outside("scaled_emissivity", 0.0) * stated.capacity
     return Properties(conductivity, capacity, convection, emissivity)

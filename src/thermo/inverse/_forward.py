@@ -1,0 +1,130 @@
+"""One run under given properties: temperatures, and how well they meet a recording."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from thermo.inverse._body import of_order, solve_heat_once
+from thermo.inverse._conditions import conditions, make_model, switches
+from thermo.inverse._properties import Properties
+from thermo.inverse._stepping import free_grid
+from thermo.mesh import Mesh
+from thermo.observe import Run, bind
+from thermo.physics import Discretisation, ReadOut, between_steps, discretise
+
+MOMENTS = 13
+"""Frames of a run that are kept for the whole body [1]."""
+
+
+@final
+@dataclass(frozen=True)
+class Scores:
+    """Mean absolute, root mean square and largest difference from the recording [K]."""
+
+    mae: float
+    rmse: float
+    max: float
+
+
+@final
+@dataclass(frozen=True)
+class Prediction:
+    """Simulated temperatures at a recording's samples and frames.
+
+    - `points` (samples, 3) [m]; `time` (frames,) [s]; `temperature` (frames, samples) [K].
+    - `measured` (frames, samples) [K], NaN where a value was not valid.
+    - `scores`: of the spatial field, and of its median over the surface; [K].
+    - `mesh`: linear mesh [m]; `nodal_time` (moments,) [s]; `nodal` (moments, nodes) [K]: the whole
+      body at some of the frames.
+    """
+
+    points: Float[np.ndarray, "samples 3"]
+    time: Float[np.ndarray, " frames"]
+    temperature: Float[np.ndarray, "frames samples"]
+    measured: Float[np.ndarray, "frames samples"]
+    scores: dict[str, Scores]
+    mesh: Mesh
+    nodal_time: Float[np.ndarray, " moments"]
+    nodal: Float[np.ndarray, "moments nodes"]
+
+
+def score(
+    simulated: Float[np.ndarray, "frames samples"], measured: Float[np.ndarray, "frames samples"]
+) -> Scores:
+    """Differences [K] over all valid readings; NaN readings are left out."""
+    difference = np.abs(simulated - measured)
+    return Scores(
+        mae=float(np.nanmean(difference)),
+        rmse=float(np.sqrt(np.nanmean(difference**2))),
+        max=float(np.nanmax(difference)),
+    )
+
+
+def _equal(one: Properties, other: Properties) -> bool:
+    pairs = zip(jax.tree.leaves(one), jax.tree.leaves(other), strict=True)
+    return all(bool(jnp.array_equal(a, b)) for a, b in pairs)
+
+
+def _with_corners(readout: ReadOut, space: Discretisation, mesh: Mesh) -> ReadOut:
+    """Read the corners of the linear mesh after the samples."""
+    place = np.empty(len(mesh.nodes), np.int32)
+    place[mesh.cells] = space.mesh.cells[:, :4]
+    nodes, weights = np.asarray(readout.nodes), np.asarray(readout.weights)
+    corners = np.repeat(place[:, None], nodes.shape[1], axis=1)
+    first = np.zeros((len(place), nodes.shape[1]))
+    first[:, 0] = 1.0
+    return ReadOut(np.concatenate([nodes, corners]), np.concatenate([weights, first]))
+
+
+def forward(
+    mesh: Mesh, order: int, run: Run, bodies: dict[str, Properties], tolerance: float, where: str
+) -> Prediction:
+    """Simulate a run with each of `bodies`; the first one's temperatures [K] are kept.
+
+    Arguments:
+
+    - `mesh`: linear mesh [m]; `order` of the cells to simulate with [1].
+    - `bodies`: properties by name, on the linear mesh's cells and faces [SI].
+    - `tolerance`: error of a step [K]; `where`: the recording's name in messages.
+
+    Raises `InputError` where samples lie away from the surface.
+    """
+    space = discretise(of_order(mesh, order))
+    readout, _ = bind(run.recording, space.mesh, where=where)
+    readout = _with_corners(readout, space, mesh)
+    first = next(iter(bodies.values()))
+    grid = free_grid(mesh, first, run, tolerance=tolerance)
+    under = conditions(run, space)
+    recording = run.recording
+    measured = np.where(recording.valid, recording.temperature, np.nan)
+    samples = len(recording.points)
+    results: dict[str, np.ndarray] = {}
+    for name, body in bodies.items():
+        same = next((other for other in results if _equal(bodies[other], body)), None)
+        if same is not None:
+            results[name] = results[same]
+            continue
+        ends = solve_heat_once(make_model(space, body, under), under, grid, readout)
+        results[name] = between_steps(
+            np.asarray(grid.frame_time), ends, recording.time, switches(run)
+        )
+    scores = {name: score(result[:, :samples], measured) for name, result in results.items()}
+    first = next(iter(results.values()))
+    frames = len(recording.time)
+    moments = np.unique(np.linspace(0, frames - 1, min(MOMENTS, frames)).astype(int))
+    return Prediction(
+        points=recording.points,
+        time=recording.time,
+        temperature=first[:, :samples],
+        measured=measured,
+        scores=scores,
+        mesh=mesh,
+        nodal_time=recording.time[moments],
+        nodal=first[moments, samples:],
+    )
