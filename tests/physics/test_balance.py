@@ -82,11 +82,13 @@ def step_and_inflow(model: Model, scheme: AbstractIntegrator, old, start, size):
     balance = assemble(model)
     last = start + size * (1 - 1e-9)
     if isinstance(scheme, Sdirk2):
-        new, rise, _ = _stages(scheme, balance, old, start, size, TIGHT)
+        nothing = jnp.zeros((scheme.solves(), len(old)))
+        new, rise, *_ = _stages(scheme, balance, old, start, size, TIGHT, nothing)
         first = heat_rate(balance, old + rise, start + GAMMA * size)
         flow = (1 - GAMMA) * first + GAMMA * heat_rate(balance, new, last)
     else:
-        new, _ = scheme.step(balance, old, start, size, TIGHT)
+        nothing = jnp.zeros((scheme.solves(), len(old)))
+        new, *_ = scheme.step(balance, old, start, size, TIGHT, nothing)
         flow = heat_rate(balance, new, last)
     change = equivalent(balance, new) - equivalent(balance, old)
     return new, stored_heat(balance, change).sum(), size * flow.sum()

@@ -25,16 +25,15 @@ def _dot(
 def _iterate(
     state: _State,
     rhs: Float[Array, "nodes *batch"],
-    rtol: Float[Array, ""],
+    goal: Float[Array, "*batch"],
     max_steps: int,
 ) -> tuple[Float[Array, "nodes *batch"], Int[Array, ""], Bool[Array, ""]]:
-    """Solve for all columns of `rhs` together; a column that has converged stands still."""
+    """Solve for all columns of `rhs` together; a column that has met its goal stands still."""
     pattern, diagonal, rows = state
     pieces = split_rows(pattern, rows)
     inverse = (1 / diagonal).reshape(-1, *(1,) * (rhs.ndim - 1))
     z = inverse * rhs
     rz = _dot(rhs, z)
-    goal = rtol**2 * rz
 
     def unfinished(carry: Any) -> Bool[Array, ""]:
         *_, rz, step = carry
@@ -62,7 +61,8 @@ class ConjugateGradient(lx.AbstractLinearSolver[_State]):
     Simulations solve for the increment of temperature over a step, so that `rtol` is the error
     of a step relative to its own change in kelvin, whatever the level of temperature, and a body
     that warms by 10 K keeps an error of about 10 K times `rtol`. Batches made by `jax.vmap` over
-    right-hand sides run together, laid out (nodes, batch).
+    right-hand sides run together, laid out (nodes, batch). The option `y0` is a first guess [K]:
+    it changes the number of iterations, not what the tolerance is relative to.
 
     - `rtol`: [1].
     - `max_steps`: the most iterations [1]; reaching it is reported as a failure.
@@ -84,25 +84,32 @@ class ConjugateGradient(lx.AbstractLinearSolver[_State]):
         self, state: _State, vector: Float[Array, " nodes"], options: dict[str, Any]
     ) -> tuple[Float[Array, " nodes"], Any, dict[str, Any]]:
         """Solution [K] for a right-hand side [J]."""
-        del options
 
         @custom_vmap
-        def solve(state: _State, rhs: Any, rtol: Any) -> Any:
-            return _iterate(state, rhs, rtol, self.max_steps)
+        def solve(state: _State, rhs: Any, goal: Any) -> Any:
+            return _iterate(state, rhs, goal, self.max_steps)
 
         @solve.def_vmap
-        def together(size: int, batched: Any, state: _State, rhs: Any, rtol: Any) -> Any:
-            if any(jax.tree.leaves(batched[0])) or batched[2]:
+        def together(size: int, batched: Any, state: _State, rhs: Any, goal: Any) -> Any:
+            if any(jax.tree.leaves(batched[0])) or not (batched[1] and batched[2]):
                 axes = jax.tree.map(lambda flag: 0 if flag else None, batched)
                 each = jax.vmap(
-                    lambda s, b, t: _iterate(s, b, t, self.max_steps), in_axes=tuple(axes)
+                    lambda s, b, g: _iterate(s, b, g, self.max_steps), in_axes=tuple(axes)
                 )
-                return each(state, rhs, rtol), (True, True, True)
-            x, steps, done = _iterate(state, rhs.T, rtol, self.max_steps)
+                return each(state, rhs, goal), (True, True, True)
+            x, steps, done = _iterate(state, rhs.T, goal, self.max_steps)
             spread = jnp.full(size, steps), jnp.full(size, done)
             return (x.T, *spread), (True, True, True)
 
-        x, steps, done = solve(state, vector, jnp.asarray(self.rtol))
+        pattern, diagonal, rows = state
+        goal = self.rtol**2 * _dot(vector, vector / diagonal)
+        guess = options.get("y0")
+        if guess is not None:
+            pieces = split_rows(pattern, rows)
+            vector = vector - row_product(pattern, diagonal, pieces, guess)
+        x, steps, done = solve(state, vector, goal)
+        if guess is not None:
+            x = x + guess
         result = lx.RESULTS.where(done, lx.RESULTS.successful, lx.RESULTS.max_steps_reached)
         return x, result, {"num_steps": steps, "max_steps": self.max_steps}
 

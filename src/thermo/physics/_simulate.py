@@ -18,6 +18,8 @@ from thermo.physics._readout import ReadOut, every_node
 from thermo.physics._time_grid import TimeGrid
 from thermo.physics.integrators import AbstractIntegrator
 
+State = tuple[Float[Array, " nodes"], Float[Array, "solves nodes"]]
+
 
 @final
 class Solution(eqx.Module):
@@ -63,12 +65,14 @@ def solve_heat(
     adjoint = StoreSteps() if adjoint is None else adjoint
     balance = assemble(model)
 
-    def step(state: Array, interval: tuple[Array, Array]) -> tuple[Array, tuple[Array, Array]]:
-        new, result = integrator.step(balance, state, *interval, solver)
-        return new, (readout.read(new), result == lx.RESULTS.successful)
+    def step(state: State, interval: tuple[Array, Array]) -> tuple[State, tuple[Array, Array]]:
+        old, past = state
+        new, past, result = integrator.step(balance, old, *interval, solver, past)
+        return (new, past), (readout.read(new), result == lx.RESULTS.successful)
 
     steps = (jnp.asarray(grid.start), jnp.asarray(grid.size))
-    final_state, (samples, fine) = adjoint.run(step, initial, steps)
+    begun = (initial, jnp.zeros((integrator.solves(), len(initial))))
+    (final_state, _), (samples, fine) = adjoint.run(step, begun, steps)
     history = jnp.concatenate([readout.read(initial)[None], samples])
     return Solution(
         time=grid.frame_time,

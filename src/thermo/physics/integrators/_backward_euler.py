@@ -10,7 +10,14 @@ from jaxtyping import Array, Float
 from thermo.physics._balance import Balance
 from thermo.physics._conjugate_gradient import ConjugateGradient
 from thermo.physics.effects._effect import Time
-from thermo.physics.integrators._integrator import AbstractIntegrator, Step, solve_stage, within
+from thermo.physics.integrators._integrator import (
+    AbstractIntegrator,
+    Past,
+    Step,
+    rates,
+    solve_stage,
+    within,
+)
 
 
 @final
@@ -30,6 +37,10 @@ class BackwardEuler(AbstractIntegrator):
         """Order of accuracy [1]."""
         return 1
 
+    def solves(self) -> int:
+        """One linear solve an iteration [1]."""
+        return self.iterations
+
     def step(
         self,
         balance: Balance,
@@ -37,7 +48,11 @@ class BackwardEuler(AbstractIntegrator):
         start: Time,
         size: Time,
         solver: ConjugateGradient,
+        past: Past,
     ) -> Step:
-        """Nodal temperatures [K] one step of `size` [s] after `start` [s]."""
+        """One step of `size` [s] after `start` [s], from the rates of the step before [K/s]."""
         end = within(start, size, 1.0)
-        return solve_stage(balance, temperature, None, end, size, None, self.iterations, solver)
+        new, found, result = solve_stage(
+            balance, temperature, None, end, size, None, solver, past * size
+        )
+        return new, rates(found, size), result

@@ -21,7 +21,9 @@ from thermo.physics._conjugate_gradient import ConjugateGradient
 from thermo.physics.effects._effect import Time
 from thermo.physics.integrators._integrator import (
     AbstractIntegrator,
+    Past,
     Step,
+    rates,
     solve_increment,
     solve_stage,
     within,
@@ -50,6 +52,10 @@ class Sdirk2(AbstractIntegrator):
         """Order of accuracy [1]."""
         return 2
 
+    def solves(self) -> int:
+        """Two stages, each with its iterations [1]."""
+        return 2 * self.iterations
+
     def step(
         self,
         balance: Balance,
@@ -57,10 +63,11 @@ class Sdirk2(AbstractIntegrator):
         start: Time,
         size: Time,
         solver: ConjugateGradient,
+        past: Past,
     ) -> Step:
-        """Nodal temperatures [K] one step of `size` [s] after `start` [s]."""
-        end, _, result = _stages(self, balance, temperature, start, size, solver)
-        return end, result
+        """One step of `size` [s] after `start` [s], from the rates of the step before [K/s]."""
+        end, _, found, result = _stages(self, balance, temperature, start, size, solver, past)
+        return end, found, result
 
 
 def _stages(
@@ -70,26 +77,29 @@ def _stages(
     start: Time,
     size: Time,
     solver: ConjugateGradient,
-) -> tuple[Float[Array, " nodes"], Float[Array, " nodes"], lx.RESULTS]:
+    past: Past,
+) -> tuple[Float[Array, " nodes"], Float[Array, " nodes"], Past, lx.RESULTS]:
     weight = GAMMA * size
     matrix = step_matrix(balance, temperature, weight)
     old = equivalent(balance, temperature)
 
     # A scan, because a compiler takes as long again for a stage that is written out twice.
-    def stage(carry: Any, time: Any) -> Any:
+    def stage(carry: Any, inputs: Any) -> Any:
         guess, base, result = carry
-        value, outcome = solve_stage(
-            balance, guess, base, time, weight, matrix, scheme.iterations, solver
+        time, begin = inputs
+        value, found, outcome = solve_stage(
+            balance, guess, base, time, weight, matrix, solver, begin
         )
         rise = equivalent(balance, value) - old
         guess = temperature + (value - temperature) / GAMMA
         result = lx.RESULTS.where(outcome == lx.RESULTS.successful, result, outcome)
-        return (guess, old + (1 - GAMMA) / GAMMA * rise, result), (value, rise)
+        return (guess, old + (1 - GAMMA) / GAMMA * rise, result), (value, rise, found)
 
     times = jnp.stack([within(start, size, GAMMA), within(start, size, 1.0)])
     first = (temperature, old, lx.RESULTS.successful)
-    (*_, result), (values, rises) = jax.lax.scan(stage, first, times)
-    return values[1], rises[0], result
+    begin = (past * size).reshape(2, scheme.iterations, -1)
+    (*_, result), (values, rises, found) = jax.lax.scan(stage, first, (times, begin))
+    return values[1], rises[0], rates(found.reshape(past.shape), size), result
 
 
 def step_with_error(
@@ -108,7 +118,8 @@ def step_with_error(
 
     Source: Hosea and Shampine, Appl. Numer. Math. 20 (1996) 21, section 4, for the filter.
     """
-    last, rise, _ = _stages(scheme, balance, temperature, start, size, solver)
+    nothing = jnp.zeros((scheme.solves(), len(temperature)))
+    last, rise, *_ = _stages(scheme, balance, temperature, start, size, solver, nothing)
     middle = 1 / (6 * GAMMA * (1 - GAMMA))
     late = 0.5 - middle * GAMMA
     early = 1 - middle - late
@@ -122,5 +133,5 @@ def step_with_error(
     if balance.model.prescribed is not None:
         defect = defect * balance.model.prescribed.free()
     matrix = step_matrix(balance, temperature, GAMMA * size)
-    error, _ = solve_increment(matrix, defect, solver)
+    error, _ = solve_increment(matrix, defect, solver, nothing[0])
     return last, jnp.abs(error)
