@@ -21,7 +21,7 @@ import os, signal, sys
 from thermo.app import main
 from thermo.report import Progress
 
-def die(self, step, loss=None):
+def die(self, step, *_):
     if step == 2:
         os.kill(os.getpid(), signal.SIGKILL)
 
@@ -74,7 +74,7 @@ def test_a_stopped_fit_says_how_to_go_on(
 ) -> None:
     from thermo.report import Progress
 
-    def stop(self: Progress, step: int, loss: float | None = None) -> None:
+    def stop(self: Progress, *_: object) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr(Progress, "update", stop)

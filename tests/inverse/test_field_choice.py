@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from thermo.fields import QUANTITIES
-from thermo.inverse import AbstractFieldChoice, Network, OnControlPoints, Patchwise, Uniform
-from thermo.mesh import box_mesh
+from thermo.fields import QUANTITIES, AbstractField, TwoMaterialField, place_control_points
+from thermo.inverse import (
+    AbstractFieldChoice,
+    AbstractStagedChoice,
+    Network,
+    OnControlPoints,
+    Patchwise,
+    TwoMaterials,
+    Uniform,
+)
+from thermo.mesh import Mesh, box_mesh, promote
 
 MESH = box_mesh((0.02, 0.012, 0.008), (6, 4, 3))
 QUANTITY = QUANTITIES["conductivity"]
@@ -80,3 +89,45 @@ def test_parameters_are_not_weakly_typed(choice: AbstractFieldChoice, count: int
     """Otherwise the second step of every fit would be compiled anew."""
     field, _ = choice.make(QUANTITY, MESH, 2.0, 0)
     assert all(not leaf.weak_type for leaf in jax.tree.leaves(field.parameters())), count
+
+
+@pytest.mark.parametrize("choice", [Uniform(), Patchwise(), OnControlPoints(), Network()])
+def test_only_two_materials_change_their_field_between_stages(choice: AbstractFieldChoice) -> None:
+    assert not isinstance(choice, AbstractStagedChoice)
+    assert isinstance(TwoMaterials(), AbstractStagedChoice)
+
+
+def in_halves(choice: TwoMaterials, seed: int) -> tuple[AbstractField, np.ndarray]:
+    """A field of the first stage, 1 left and 4 right of the middle."""
+    field, pairs = choice.make(QUANTITY, MESH, 2.0, seed)
+    points = place_control_points(MESH, choice.count, seed=seed).points
+    values = jnp.asarray(np.where(points[:, 0] < 0.01, 1.0, 4.0))
+    return field.with_parameters(field.head.raw(values)), pairs
+
+
+@pytest.mark.parametrize("seed", [0, 3])
+@pytest.mark.parametrize("mesh", [MESH, promote(MESH)])
+def test_two_materials_part_the_field_of_their_first_stage(mesh: Mesh, seed: int) -> None:
+    choice = TwoMaterials(count=40)
+    field, pairs = choice.go_on(*in_halves(choice, seed), mesh, seed)
+    assert isinstance(field, TwoMaterialField) and field.quantity == QUANTITY
+    assert np.allclose(field.head.value(field.levels), [1.0, 4.0], rtol=1e-9)
+    assert pairs.min() >= 0 and pairs.max() < len(field.shifts) <= 40
+    centres = mesh.nodes[mesh.cells[:, :4]].mean(1)[:, 0]
+    for side, level in ((centres < 0.003, 1.0), (centres > 0.017, 4.0)):
+        assert np.allclose(np.asarray(field.cell_values())[side], level, rtol=1e-2)
+
+
+def test_two_materials_begin_on_control_points() -> None:
+    ours, theirs = (
+        choice.make(QUANTITY, MESH, 2.0, 1) for choice in (TwoMaterials(9), OnControlPoints(9))
+    )
+    assert np.array_equal(ours[1], theirs[1])
+    assert all(map(np.array_equal, jax.tree.leaves(ours[0]), jax.tree.leaves(theirs[0])))
+
+
+def test_two_materials_leave_a_uniform_field_as_it_is() -> None:
+    choice = TwoMaterials(count=9)
+    field, pairs = choice.make(QUANTITY, MESH, 2.0, 0)
+    again, same = choice.go_on(field, pairs, MESH, 0)
+    assert again is field and same is pairs

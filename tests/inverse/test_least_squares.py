@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from jax.flatten_util import ravel_pytree
 
 from thermo.inverse import AbstractOptimiser, GaussNewtonKrylov, LevenbergMarquardt
 from thermo.inverse import _least_squares as least_squares
 from thermo.inverse._minimise import minimise
-from thermo.inverse._objective import FieldPrior, Objective
+from thermo.inverse._objective import FieldPrior, Objective, Parameters, jacobian, start
 
 from .objectives import at, beliefs
 
@@ -95,3 +100,81 @@ def test_tangents_that_point_uphill_stall_without_success() -> None:
     assert not fit.success
     assert len(fit.history[0]) == 1 + least_squares.STALLED < LevenbergMarquardt().max_steps
     assert len(set(fit.history[0])) == 1, "nothing uphill was taken"
+
+
+@given(
+    move=st.lists(st.floats(-1e6, 1e6, allow_subnormal=False), min_size=1, max_size=6),
+    share=st.floats(1e-6, 1e6),
+)
+def test_each_parameter_is_cut_by_itself_and_more_where_trust_was_lost(
+    move: list[float], share: float
+) -> None:
+    trust = jnp.asarray(share * least_squares.FIRST_STEP)
+    got = np.asarray(least_squares._bounded(jnp.asarray(move), trust))
+    longest = min(least_squares.LONGEST, max(map(abs, move)))
+    most = longest * min(1.0, share)
+    expected = [np.sign(one) * min(abs(one), most) for one in move]
+    np.testing.assert_allclose(got, expected, rtol=1e-12)
+
+
+def planned(state: Any, parameters: Parameters) -> np.ndarray:
+    """The change of each parameter that the next trial is to make [1]."""
+    trial = state.trial if hasattr(state, "trial") else state.y_eval
+    return np.asarray(trial - ravel_pytree(parameters)[0])
+
+
+EXACT = [LevenbergMarquardt(), GaussNewtonKrylov(inner_rtol=1e-10)]
+
+
+@pytest.mark.parametrize("optimiser", EXACT)
+def test_a_parameter_far_off_does_not_hold_up_the_others(optimiser: AbstractOptimiser) -> None:
+    problem = beliefs(centre=2.0)
+    begun = start(problem)
+    point, state, _, _ = optimiser.advance(problem, begun, optimiser.begin(problem, begun))
+    value, matrix = (np.asarray(part) for part in jacobian(problem, begun))
+    damped = matrix.T @ matrix + np.eye(matrix.shape[1]) / least_squares.FIRST_STEP
+    whole = np.linalg.solve(damped, -matrix.T @ value)
+    cut = np.abs(whole) > least_squares.LONGEST
+    assert 0 < cut.sum() < len(whole) and 0 < np.abs(whole[~cut]).max() < 0.9
+    expected = np.clip(whole, -least_squares.LONGEST, least_squares.LONGEST)
+    np.testing.assert_allclose(planned(state, point), expected, rtol=1e-6)
+
+
+def trials(objective: Objective) -> tuple[np.ndarray, np.ndarray]:
+    """The loss after each step, and the longest change of a parameter in the trial after it [1]."""
+    optimiser = LevenbergMarquardt()
+    parameters, losses, lengths = start(objective), [], []
+    state, done = optimiser.begin(objective, parameters), False
+    while not done:
+        parameters, state, loss, (ended, _) = optimiser.advance(objective, parameters, state)
+        losses.append(float(loss))
+        lengths.append(float(np.abs(planned(state, parameters)).max()))
+        done = bool(ended)
+    return np.asarray(losses), np.asarray(lengths)
+
+
+def test_refused_steps_get_shorter() -> None:
+    losses, lengths = trials(steered(-1.0))
+    assert len(set(losses)) == 1
+    expected = least_squares.LONGEST * least_squares.NARROW ** np.arange(len(lengths))
+    np.testing.assert_allclose(lengths, expected, rtol=1e-12)
+
+
+def test_a_refused_step_shorter_than_the_longest_is_not_tried_again() -> None:
+    losses, lengths = trials(steered(0.45))
+    refused = np.flatnonzero(np.diff(losses) == 0)
+    assert len(refused) > 0 and lengths[refused[0]] < 0.5
+    assert (lengths[refused + 1] < 0.9 * lengths[refused]).all()
+
+
+def test_with_coarse_tangents_a_small_gain_ends_a_fit() -> None:
+    share = 0.01
+    exact = minimise([at(sharpened(100.0))], LevenbergMarquardt(), key="x")
+    slow = replace(steered(5.0), settled=share)
+    fit = minimise([at(slow)], LevenbergMarquardt(max_steps=100), key="x")
+    (history,) = np.asarray(fit.history)
+    gains = -np.diff(history) / history[1:]
+    assert fit.success and 3 < len(history) < 100
+    assert 0 < gains[-1] < share and (gains[:-1] > share).all()
+    # What the tangents promised was still more than that.
+    assert fit.loss - exact.loss > share * fit.loss > least_squares.SETTLED

@@ -54,11 +54,11 @@ def invert(settings: Configuration) -> None:
     checkpoint = out / "checkpoint.npz"
     begun = f"going on from {checkpoint}" if checkpoint.exists() else f"fitting {scene.object}"
     print(f"{begun}; meshing and compiling come first", file=sys.stderr)
-    with Progress("invert", arguments["optimiser"].max_steps, sys.stderr) as progress:
+    with Progress("invert", None, sys.stderr) as progress:
         estimate = inverse.invert(
             scene,
             checkpoint=checkpoint,
-            on_step=lambda step, most, loss: progress.update(step, loss),
+            on_step=lambda step, most, loss: progress.update(step, loss, most),
             **arguments,
         )
     record = write_inversion(out, estimate, settings)

@@ -92,9 +92,11 @@ def two_groups(
     """Part numbers into two groups of least spread [1]: who is in the upper one, and both means.
 
     The best of all cuts of the sorted values, so that no start decides. Equal values are all in
-    the lower group.
+    the lower group, and so is a single one.
     """
     order = np.sort(values)
+    if len(order) < 2:
+        return np.zeros(len(values), bool), float(values.mean()), float(values.mean())
     count = np.arange(1, len(order))
     sums = np.cumsum(order)
     left, right = sums[:-1] / count, (sums[-1] - sums[:-1]) / (len(order) - count)
@@ -107,12 +109,13 @@ def two_groups(
 def _calmed(
     values: Float[np.ndarray, " controls"], pairs: Int[np.ndarray, "pairs 2"]
 ) -> Float[np.ndarray, " controls"]:
-    """Each number [1] half itself and half the mean of its neighbours: no control stands alone."""
+    """Each number [1] one part itself, two parts its neighbours' mean: no control stands alone."""
     both = np.concatenate([pairs, pairs[:, ::-1]])
     size = len(values)
     count = np.bincount(both[:, 0], minlength=size)
     total = np.bincount(both[:, 0], values[both[:, 1]], minlength=size)
-    return 0.5 * (values + np.where(count > 0, total / np.maximum(count, 1), values))
+    mean = np.where(count > 0, total / np.maximum(count, 1), values)
+    return (values + 2 * mean) / 3
 
 
 def _heights(
@@ -160,13 +163,15 @@ def two_material_field(
     The values are parted into two groups, whose means are the two first levels, and the boundary
     begins where the field passes midway between them; a control that differs from all around it
     makes no island, since the data rarely know a single one so well. The transition is half an
-    edge of the surface wide on each side, what a mesh can show. None where there is one group.
+    edge of the surface wide on each side, what a mesh can show. None where there is one group, or
+    where both share no boundary on the surface.
     """
-    log = np.log(values)
-    _, low, high = two_groups(log)
+    _, low, high = two_groups(np.log(values))
     middle = (low + high) / 2
-    upper = _calmed(log, controls.pairs) > middle
-    if high - low < 1e-6 or upper.all() or not upper.any():
+    log = _calmed(np.clip(np.log(values), low, high), controls.pairs)
+    upper = log > middle
+    meet = upper[controls.pairs[:, 0]] != upper[controls.pairs[:, 1]]
+    if high - low < 1e-6 or not meet.any():
         return None
     height = _heights(controls, log, upper, middle)
     step = np.linalg.norm(np.diff(controls.points[controls.pairs], axis=1)[:, 0], axis=1)

@@ -14,6 +14,7 @@ from thermo.inverse._estimate import (
 )
 from thermo.inverse._field_choice import (
     AbstractFieldChoice,
+    AbstractStagedChoice,
     Network,
     OnControlPoints,
     Patchwise,
@@ -24,6 +25,7 @@ from thermo.inverse._first_order import Adam, LimitedMemoryBfgs
 from thermo.inverse._forward import Prediction, Scores, score
 from thermo.inverse._invert import invert
 from thermo.inverse._least_squares import GaussNewtonKrylov, LevenbergMarquardt
+from thermo.inverse._objective import Objective, residual
 from thermo.inverse._optimiser import AbstractOptimiser
 from thermo.inverse._predict import predict, simulate
 from thermo.inverse._stepping import Stepping
@@ -32,6 +34,7 @@ from thermo.inverse._task import Prior
 __all__ = [
     "AbstractFieldChoice",
     "AbstractOptimiser",
+    "AbstractStagedChoice",
     "Adam",
     "Checkpoint",
     "Estimate",
@@ -40,6 +43,7 @@ __all__ = [
     "LimitedMemoryBfgs",
     "Meshing",
     "Network",
+    "Objective",
     "OnControlPoints",
     "Patchwise",
     "Prediction",
@@ -54,6 +58,7 @@ __all__ = [
     "load_checkpoint",
     "load_estimate",
     "predict",
+    "residual",
     "save_checkpoint",
     "save_estimate",
     "score",

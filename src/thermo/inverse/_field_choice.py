@@ -35,9 +35,9 @@ class AbstractFieldChoice(eqx.Module):
     ) -> tuple[AbstractField, np.ndarray]:
         """A field that starts at `initial`, in the quantity's unit, and its neighbouring pairs."""
 
-    @abstractmethod
-    def stages(self) -> int:
-        """The least number of stages [1] that a fit of this field has."""
+
+class AbstractStagedChoice(AbstractFieldChoice):
+    """A choice whose last stage fits another field than the first: a fit has two stages."""
 
     @abstractmethod
     def go_on(
@@ -61,17 +61,6 @@ class Uniform(AbstractFieldChoice):
         del seed
         return uniform_field(quantity, mesh, _log_head(quantity), initial), NO_PAIRS
 
-    def stages(self) -> int:
-        """One stage [1] will do."""
-        return 1
-
-    def go_on(
-        self, field: AbstractField, pairs: np.ndarray, mesh: Mesh, seed: int
-    ) -> tuple[AbstractField, np.ndarray]:
-        """The same field, with its pairs [1]."""
-        del mesh, seed
-        return field, pairs
-
 
 @final
 class Patchwise(AbstractFieldChoice):
@@ -86,17 +75,6 @@ class Patchwise(AbstractFieldChoice):
         controls = place_control_points(mesh, self.patches, seed=seed)
         head = _log_head(quantity)
         return patchwise_field(quantity, mesh, head, initial, controls), controls.pairs
-
-    def stages(self) -> int:
-        """One stage [1] will do."""
-        return 1
-
-    def go_on(
-        self, field: AbstractField, pairs: np.ndarray, mesh: Mesh, seed: int
-    ) -> tuple[AbstractField, np.ndarray]:
-        """The same field, with its pairs [1]."""
-        del mesh, seed
-        return field, pairs
 
 
 @final
@@ -113,24 +91,14 @@ class OnControlPoints(AbstractFieldChoice):
         head = _log_head(quantity)
         return control_point_field(quantity, mesh, head, initial, controls), controls.pairs
 
-    def stages(self) -> int:
-        """One stage [1] will do."""
-        return 1
-
-    def go_on(
-        self, field: AbstractField, pairs: np.ndarray, mesh: Mesh, seed: int
-    ) -> tuple[AbstractField, np.ndarray]:
-        """The same field, with its pairs [1]."""
-        del mesh, seed
-        return field, pairs
-
 
 @final
-class TwoMaterials(AbstractFieldChoice):
+class TwoMaterials(AbstractStagedChoice):
     """Two values with a boundary between them whose place is found.
 
     A first stage fits values on `count` [1] control points. They are then parted into two groups,
-    and the last stage fits the value of each and shifts the boundary between them.
+    and the last stage fits the value of each and shifts the boundary between them, which must be
+    known roughly before it can be sharp.
     """
 
     count: int = 100
@@ -140,10 +108,6 @@ class TwoMaterials(AbstractFieldChoice):
     ) -> tuple[AbstractField, np.ndarray]:
         """A field that starts at `initial`, in the quantity's unit, and its neighbouring pairs."""
         return OnControlPoints(self.count).make(quantity, mesh, initial, seed)
-
-    def stages(self) -> int:
-        """Two [1]: where the boundary is must be known roughly before it can be sharp."""
-        return 2
 
     def go_on(
         self, field: AbstractField, pairs: np.ndarray, mesh: Mesh, seed: int
@@ -189,14 +153,3 @@ class Network(AbstractFieldChoice):
             depth=self.depth,
         )
         return field, controls.pairs
-
-    def stages(self) -> int:
-        """One stage [1] will do."""
-        return 1
-
-    def go_on(
-        self, field: AbstractField, pairs: np.ndarray, mesh: Mesh, seed: int
-    ) -> tuple[AbstractField, np.ndarray]:
-        """The same field, with its pairs [1]."""
-        del mesh, seed
-        return field, pairs

@@ -65,7 +65,7 @@ def _bounded(move: Float[Array, " unknowns"], trust: Float[Array, ""]) -> Float[
     counts only once it is as large as the normal matrix, after many rejected steps; the cut
     follows `trust`, the inverse of the damping [1], from the first one on.
     """
-    most = LONGEST * jnp.minimum(1.0, trust / FIRST_STEP)
+    most = jnp.minimum(LONGEST, optx.max_norm(move)) * jnp.minimum(1.0, trust / FIRST_STEP)
     return jnp.clip(move, -most, most)
 
 
@@ -82,8 +82,9 @@ class _BoundedDescent(optx.AbstractDescent):
         return self.damped.query(y, f_info, state)
 
     def step(self, step_size: Any, state: Any) -> Any:
-        move, result = self.damped.step(step_size, state)
-        return _bounded(move, step_size), result
+        trust = jnp.minimum(step_size, FIRST_STEP)
+        move, result = self.damped.step(trust, state)
+        return _bounded(move, trust), result
 
 
 def _prepare(
@@ -115,6 +116,9 @@ def _advance(
     function, flat, unravel = _prepare(objective, parameters)
     before = state
     new, state, _ = solver.step(function, flat, None, {}, state, frozenset())
+    # Trust never passes where it began, so that every refusal shortens the next step.
+    trust = jnp.minimum(state.search_state.step_size, FIRST_STEP)
+    state = eqx.tree_at(lambda s: s.search_state.step_size, state, trust)
     done, result = solver.terminate(function, new, None, {}, state, frozenset())
     loss = 0.5 * jnp.sum(state.f_info.residual**2)
     # The loss is half a chi-squared: a step that promises less than this moves no parameter by
@@ -219,6 +223,7 @@ def _advance_krylov(
     accept = ~begun | (change <= ACCEPTED * state.predicted)
     good = begun & (change < GOOD * state.predicted)
     step = state.step * jnp.where(accept, jnp.where(good, WIDEN, 1.0), NARROW)
+    step = jnp.minimum(step, FIRST_STEP)
     flat = jnp.where(accept, state.trial, stood)
 
     value, pull = jax.vjp(function, flat)

@@ -21,7 +21,7 @@ from thermo.inverse._objective import Objective, Parameters, start
 from thermo.inverse._optimiser import AbstractOptimiser
 
 OnStep = Callable[[int, int, float], None]
-"""Called after each step with its number, the most steps there can be, and the loss [1]."""
+"""Called after each step with its number, the most that all stages can make, and the loss [1]."""
 
 
 Stage = Callable[[Parameters | None], Objective]
@@ -75,13 +75,17 @@ def minimise(
         before = parameters_of(leaves, start(objective), str(checkpoint))
         objective = stages[number + 1](before)
 
+    def told(number: int, loss: float) -> None:
+        if on_step is not None:
+            on_step(number, len(stages) * optimiser.max_steps, loss)
+
     now = _beginning(key, objective, [], []) if saved is None else saved
-    fit = _run_stage(objective, optimiser, now, checkpoint, on_step)
+    fit = _run_stage(objective, optimiser, now, checkpoint, told)
     while len(now.ends) + 1 < len(stages):
         ends = [*now.ends, leaves_of(fit.parameters)]
         objective = stages[len(ends)](fit.parameters)
         now = _beginning(key, objective, ends, fit.history)
-        fit = _run_stage(objective, optimiser, now, checkpoint, on_step)
+        fit = _run_stage(objective, optimiser, now, checkpoint, told)
     if checkpoint is not None:
         checkpoint.unlink(missing_ok=True)
     return fit
@@ -99,7 +103,7 @@ def _run_stage(
     optimiser: AbstractOptimiser,
     begun: Checkpoint,
     checkpoint: Path | None,
-    on_step: OnStep | None,
+    told: Callable[[int, float], None],
 ) -> Fit:
     like = start(objective)
     parameters, best = (
@@ -111,7 +115,7 @@ def _run_stage(
     if begun.memory:
         state = optimiser.resume(state, begun.memory)
     success = optimiser.fixed_length()
-    for count in range(len(losses), optimiser.max_steps):
+    for _ in range(len(losses), optimiser.max_steps):
         before = parameters
         parameters, state, loss, (done, fine) = optimiser.advance(objective, parameters, state)
         losses.append(float(loss))
@@ -124,8 +128,7 @@ def _run_stage(
             here, least = leaves_of(parameters), leaves_of(best)
             now = Checkpoint(begun.key, begun.ends, here, least, best_loss, history, memory)
             save_checkpoint(checkpoint, now)
-        if on_step is not None:
-            on_step(count + 1, optimiser.max_steps, losses[-1])
+        told(sum(map(len, history)), losses[-1])
         if bool(done):
             success = bool(fine)
             break

@@ -20,7 +20,7 @@ from thermo.inverse._body import (
     surface_of,
 )
 from thermo.inverse._case import group_cases, make_case, stack_cases
-from thermo.inverse._field_choice import AbstractFieldChoice
+from thermo.inverse._field_choice import AbstractFieldChoice, AbstractStagedChoice
 from thermo.inverse._least_squares import LevenbergMarquardt
 from thermo.inverse._objective import FieldPrior, Objective, Parameters
 from thermo.inverse._optimiser import AbstractOptimiser
@@ -162,7 +162,7 @@ def stage_orders(task: Task) -> tuple[int, ...]:
     """The order [1] of the cells in each stage."""
     if task.stages == "tet4_tet10" and task.meshing.order == 2:
         return 1, 2
-    return (task.meshing.order,) * task.choice.stages()
+    return (task.meshing.order,) * (2 if isinstance(task.choice, AbstractStagedChoice) else 1)
 
 
 def make_stage(task: Task, ready: Ready, number: int, before: Parameters | None) -> Objective:
@@ -180,7 +180,9 @@ def _go_on(task: Task, ready: Ready, before: Parameters) -> Ready:
     for number, (name, begun) in enumerate(ready.fields.items()):
         prior, ended = ready.priors[name], begun.with_parameters(before[name])
         pairs = np.asarray(prior.pairs)
-        fields[name], pairs = task.choice.go_on(ended, pairs, ready.mesh, task.seed + number)
+        if isinstance(task.choice, AbstractStagedChoice):
+            ended, pairs = task.choice.go_on(ended, pairs, ready.mesh, task.seed + number)
+        fields[name] = ended
         priors[name] = replace(prior, pairs=jnp.asarray(pairs))
     return replace(ready, fields=fields, priors=priors)
 

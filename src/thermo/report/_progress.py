@@ -86,9 +86,10 @@ class Progress:
         self._stream.flush()
         self._shown, self._pending = now, None
 
-    def update(self, step: int, loss: float | None = None) -> None:
-        """Tells that `step` steps are done, with the loss [1] after them."""
+    def update(self, step: int, loss: float | None = None, total: int | None = None) -> None:
+        """Tells that `step` steps are done, with the loss [1]; `total` where it is known now."""
         now = self._clock()
+        self._total = self._total if total is None else total
         text = self._text(step, loss, now)
         if now - self._shown >= self._interval:
             self._show(text, now)

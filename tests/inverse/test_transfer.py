@@ -1,0 +1,149 @@
+"""Fields on another mesh: the same values, those of the nearest, medians, and what is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from thermo.errors import InputError
+from thermo.inverse import RecoveredField
+from thermo.inverse._transfer import SAME, carry_over, medians
+from thermo.mesh import Mesh, box_mesh, face_areas, promote
+
+SIZE = (0.04, 0.02, 0.02)
+COARSE = box_mesh(SIZE, (8, 4, 4))
+FINE = box_mesh(SIZE, (14, 7, 7))
+PLANE = 0.02
+OFFSETS = st.floats(-1e-3, 1e-3)
+
+
+def cell_centres(mesh: Mesh) -> np.ndarray:
+    return mesh.nodes[mesh.cells[:, :4]].mean(1)
+
+
+def face_centres(mesh: Mesh) -> np.ndarray:
+    return mesh.nodes[mesh.faces[:, :3]].mean(1)
+
+
+def recovered(cells: np.ndarray, faces: np.ndarray) -> RecoveredField:
+    return RecoveredField("conductivity", "W/m/K", cells.astype(float), faces.astype(float))
+
+
+def noise(mesh: Mesh, seed: int) -> RecoveredField:
+    make = np.random.default_rng(seed)
+    return recovered(make.uniform(size=len(mesh.cells)), make.uniform(size=len(mesh.faces)))
+
+
+def numbered(mesh: Mesh) -> RecoveredField:
+    return recovered(np.arange(len(mesh.cells)), np.arange(len(mesh.faces)))
+
+
+def two_valued(mesh: Mesh) -> RecoveredField:
+    return recovered(
+        np.where(cell_centres(mesh)[:, 0] < PLANE, 1.0, 4.0),
+        np.where(face_centres(mesh)[:, 0] < PLANE, 1.0, 4.0),
+    )
+
+
+def test_the_same_mesh_keeps_every_bit() -> None:
+    fields = {"conductivity": noise(COARSE, 0), "convection": noise(COARSE, 1)}
+    got = carry_over(fields, COARSE, COARSE, "estimate")
+    assert set(got) == set(fields)
+    for name, field in fields.items():
+        np.testing.assert_array_equal(got[name][0], field.cells)
+        np.testing.assert_array_equal(got[name][1], field.faces)
+
+
+def test_quadratic_cells_take_what_linear_ones_take() -> None:
+    fields = {"conductivity": noise(COARSE, 2)}
+    plain = carry_over(fields, COARSE, FINE, "estimate")["conductivity"]
+    curved = carry_over(fields, COARSE, promote(FINE), "estimate")["conductivity"]
+    for mine, theirs in zip(plain, curved, strict=True):
+        np.testing.assert_array_equal(mine, theirs)
+
+
+@pytest.mark.parametrize(("old", "new"), [(COARSE, FINE), (FINE, COARSE)])
+def test_two_values_stay_what_they_are_away_from_their_boundary(old: Mesh, new: Mesh) -> None:
+    got = carry_over({"conductivity": two_valued(old)}, old, new, "estimate")["conductivity"]
+    for values, centres in zip(got, (cell_centres(new), face_centres(new)), strict=True):
+        away = centres[:, 0] - PLANE
+        far = np.abs(away) > SIZE[0] / 8
+        assert far.mean() > 0.5
+        np.testing.assert_array_equal(values[far], np.where(away[far] < 0, 1.0, 4.0))
+        assert set(values) == {1.0, 4.0}
+
+
+@pytest.mark.parametrize(("old", "new"), [(COARSE, FINE), (FINE, COARSE)])
+def test_the_nearest_cell_and_face_give_the_value(old: Mesh, new: Mesh) -> None:
+    cells, faces = carry_over({"convection": numbered(old)}, old, new, "estimate")["convection"]
+    for picked, centres in ((cells, cell_centres), (faces, face_centres)):
+        apart = np.linalg.norm(centres(new)[:, None] - centres(old)[None], axis=2)
+        taken = apart[np.arange(len(picked)), picked.astype(int)]
+        np.testing.assert_allclose(taken, apart.min(1), rtol=1e-9)
+
+
+def other_size() -> Mesh:
+    return box_mesh((0.042, 0.02, 0.02), (8, 4, 4))
+
+
+def other_place() -> Mesh:
+    return box_mesh(SIZE, (8, 4, 4), origin=(0.0, -0.003, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("new", "apart", "limit"),
+    [(other_size(), "2 mm", "0.506 mm, 1% of"), (other_place(), "3 mm", "0.49 mm, 1% of")],
+)
+def test_another_object_is_refused_with_the_numbers(new: Mesh, apart: str, limit: str) -> None:
+    with pytest.raises(InputError) as caught:
+        carry_over({"conductivity": two_valued(COARSE)}, COARSE, new, "fits/bracket")
+    error = caught.value
+    assert error.where == "fits/bracket"
+    assert str(error.value).endswith(f" {apart}")
+    assert error.limit.startswith(limit)
+    assert "surface that was fitted" in error.remedy
+    assert len(str(error).splitlines()) == 4
+
+
+@given(offset=st.tuples(OFFSETS, OFFSETS, OFFSETS))
+def test_only_what_lies_further_apart_than_the_limit_is_refused(
+    offset: tuple[float, float, float],
+) -> None:
+    old, new = box_mesh(SIZE, (2, 1, 1)), box_mesh(SIZE, (2, 1, 1), origin=offset)
+    apart, limit = np.abs(offset).max(), SAME * np.linalg.norm(SIZE)
+    assume(abs(apart - limit) > 1e-9)
+    fields = {"conductivity": two_valued(old)}
+    if apart < limit:
+        got = carry_over(fields, old, new, "estimate")["conductivity"]
+        np.testing.assert_array_equal(got[0], fields["conductivity"].cells)
+    else:
+        with pytest.raises(InputError, match="another size or place"):
+            carry_over(fields, old, new, "estimate")
+
+
+def plate() -> tuple[Mesh, np.ndarray]:
+    """A plate whose two wide sides have few faces, and which faces are on them."""
+    mesh = box_mesh((0.02, 0.02, 0.002), (2, 2, 6))
+    height = face_centres(mesh)[:, 2]
+    return mesh, (height < 1e-9) | (height > 0.002 - 1e-9)
+
+
+def test_the_median_is_by_area_and_everywhere() -> None:
+    old, wide = plate()
+    faces = np.where(wide, 3.0, 1.0)
+    assert np.median(faces) == 1.0
+    fields = {"convection": recovered(np.full(len(old.cells), 9.0), faces)}
+    cells, sides = medians(fields, old, FINE)["convection"]
+    np.testing.assert_array_equal(cells, np.full(len(FINE.cells), 3.0))
+    np.testing.assert_array_equal(sides, np.full(len(FINE.faces), 3.0))
+
+
+@given(seed=st.integers(0, 1000))
+def test_half_of_the_area_lies_below_the_median(seed: int) -> None:
+    old, _ = plate()
+    field, areas = noise(old, seed), face_areas(old)
+    middle = medians({"convection": field}, old, old)["convection"][1][0]
+    for part in (field.faces < middle, field.faces > middle):
+        assert areas[part].sum() <= 0.5 * areas.sum() + 0.5 * areas.max()
