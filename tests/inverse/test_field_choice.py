@@ -7,7 +7,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from thermo.fields import QUANTITIES, AbstractField, TwoMaterialField, place_control_points
+from thermo.fields import (
+    QUANTITIES,
+    AbstractField,
+    DirectField,
+    TwoMaterialField,
+    place_control_points,
+)
 from thermo.inverse import (
     AbstractFieldChoice,
     AbstractStagedChoice,
@@ -102,6 +108,7 @@ def in_halves(choice: TwoMaterials, seed: int) -> tuple[AbstractField, np.ndarra
     field, pairs = choice.make(QUANTITY, MESH, 2.0, seed)
     points = place_control_points(MESH, choice.count, seed=seed).points
     values = jnp.asarray(np.where(points[:, 0] < 0.01, 1.0, 4.0))
+    assert isinstance(field, DirectField)
     return field.with_parameters(field.head.raw(values)), pairs
 
 

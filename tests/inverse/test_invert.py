@@ -13,7 +13,17 @@ import pytest
 from box_scene import CONDUCTIVITY, NOISE, edit
 
 from thermo.errors import InputError
-from thermo.inverse import Adam, Estimate, Meshing, OnControlPoints, Stepping, Uniform, invert
+from thermo.fields import DirectField, TwoMaterialField, place_control_points
+from thermo.inverse import (
+    Adam,
+    Estimate,
+    Meshing,
+    OnControlPoints,
+    Stepping,
+    TwoMaterials,
+    Uniform,
+    invert,
+)
 from thermo.inverse import _invert as module
 from thermo.observe import Scene, read_scene
 from thermo.physics.integrators import BackwardEuler
@@ -130,12 +140,46 @@ def test_the_second_stage_starts_from_exactly_the_first_ones_field(
     assert [np.shape(o.space.mesh.cells)[1] for o, _ in first] == [4, 4, 4]
     assert [np.shape(o.space.mesh.cells)[1] for o, _ in second] == [10, 10, 10]
     # The same field on the same linear mesh: the parameters mean the same.
-    one, other = (o.fields["conductivity"].extension for o, _ in (first[0], second[0]))
-    for mine, theirs in zip(jax.tree.leaves(one), jax.tree.leaves(other), strict=True):
-        assert np.array_equal(mine, theirs)
+    one, other = (o.fields["conductivity"] for o, _ in (first[0], second[0]))
+    assert isinstance(one, DirectField) and isinstance(other, DirectField)
+    pairs = zip(jax.tree.leaves(one.extension), jax.tree.leaves(other.extension), strict=True)
+    assert all(np.array_equal(mine, theirs) for mine, theirs in pairs)
     left = np.asarray(first[-1][1]["conductivity"]) + 0.1
     assert np.array_equal(np.asarray(second[0][1]["conductivity"]), left)
     assert estimate.order == 2 and len(estimate.history) == 2
+
+
+@pytest.mark.usefixtures("unsimulated")
+@pytest.mark.parametrize("after", [2, 4])
+def test_two_materials_go_on_from_either_stage(
+    after: int, block: Path, meshing: Meshing, tmp_path: Path
+) -> None:
+    ready = stroll(block, meshing, optimiser=Walk(max_steps=1), choice=OnControlPoints(count=12))
+    along = place_control_points(ready.mesh, 12).points[:, 0]
+    rise = tuple(np.where(along > np.median(along), 0.5, 0.1))
+
+    def fit(walk: Walk, **more: Any) -> Estimate:
+        return stroll(block, meshing, optimiser=walk, choice=TwoMaterials(count=12), **more)
+
+    walk = Walk(first=rise)
+    whole = fit(walk)
+    assert isinstance(walk.seen[0][0].fields["conductivity"], DirectField)
+    assert isinstance(walk.seen[-1][0].fields["conductivity"], TwoMaterialField)
+    assert [len(losses) for losses in whole.history] == [3, 3]
+
+    def stop(number: int, most: int, value: float) -> None:
+        if number == after:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fit(Walk(first=rise), checkpoint=tmp_path / "fit.npz", on_step=stop)
+    told: list[int] = []
+    resumed = fit(
+        Walk(first=rise), checkpoint=tmp_path / "fit.npz", on_step=lambda n, *_: told.append(n)
+    )
+    assert told == list(range(after + 1, 7)) and resumed.history == whole.history
+    mine, theirs = resumed.fields["conductivity"], whole.fields["conductivity"]
+    assert np.array_equal(mine.cells, theirs.cells) and np.ptp(mine.cells) > 0.1
 
 
 @pytest.mark.usefixtures("unsimulated")

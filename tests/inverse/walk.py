@@ -15,11 +15,15 @@ from thermo.inverse._objective import Objective
 
 @final
 class Walk(AbstractOptimiser):
-    """Adds 0.1 to every parameter, step by step; `seen` keeps what it was given."""
+    """Adds 0.1 to every parameter, step by step; `seen` keeps what it was given.
+
+    Where there are as many parameters as `first` has entries, it adds these instead.
+    """
 
     max_steps: int = 3
     losses: tuple[float, ...] = (1.0, 0.5, 0.25)
     fixed: bool = True
+    first: tuple[float, ...] = ()
     seen: list[tuple[Objective, Any]] = eqx.field(default_factory=list)
 
     def begin(self, objective: Objective, parameters: Any) -> Any:
@@ -42,7 +46,10 @@ class Walk(AbstractOptimiser):
 
     def advance(self, objective: Objective, parameters: Any, state: Any) -> Any:
         self.seen.append((objective, parameters))
-        new = jax.tree.map(lambda raw: raw + 0.1, parameters)
+        leaves = jax.tree.leaves(parameters)
+        single = len(leaves) == 1 and np.shape(leaves[0]) == np.shape(self.first)
+        step = np.asarray(self.first) if single else 0.1
+        new = jax.tree.map(lambda raw: raw + step, parameters)
         return new, state + 1, jnp.asarray(self.losses[state % len(self.losses)]), (False, True)
 
     def __repr__(self) -> str:
