@@ -55,6 +55,8 @@ def test_invert_leaves_the_result_of_the_contract(fit: Path) -> None:
     assert 1e-3 < field["p05"] <= field["median"] <= field["p95"] < 2.4
     assert set(found["fit"]["rmse"]) == {"lamp", "cooling"}
     assert all(0 < value < 10 for value in found["fit"]["rmse"].values())
+    assert set(found["fit"]["noise"]) == {"lamp", "cooling"}
+    assert all(0 < value < 0.1 for value in found["fit"]["noise"].values())
     assert found["success"] is True and found["seconds"] > 0
     assert found["mesh"]["order"] == 1 and found["verb"] == "invert"
     assert len(found["fit"]["loss"][0]) == 3

@@ -40,12 +40,13 @@ class RecoveredField:
 class RunFit:
     """How one run was fitted.
 
-    - `rmse` [K]; `frames`, `samples`: numbers used [1].
+    - `rmse` [K]; `noise`: of a reading from frame to frame [K].
     - `time` (frames,) [s]; `points` (samples, 3) [m].
     - `measured`, `simulated` (frames, samples) [K]; a value that was not valid is NaN.
     """
 
     rmse: float
+    noise: float
     time: Float[np.ndarray, " frames"]
     points: Float[np.ndarray, "samples 3"]
     measured: Float[np.ndarray, "frames samples"]

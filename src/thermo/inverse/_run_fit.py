@@ -9,7 +9,7 @@ from jaxtyping import Array, Float
 from thermo.inverse._estimate import RunFit
 from thermo.inverse._minimise import Fit
 from thermo.inverse._objective import Objective, residual
-from thermo.observe import Run
+from thermo.observe import Run, estimate_noise
 from thermo.physics import TimeGrid
 
 
@@ -43,6 +43,7 @@ def run_fits(fit: Fit, runs: tuple[Run, ...], grids: dict[str, TimeGrid]) -> dic
         simulated = measured[place][:frames, :samples] + difference
         result[run.name] = RunFit(
             rmse=float(np.sqrt(np.nanmean(difference**2))),
+            noise=estimate_noise(run.recording).white,
             time=np.asarray(grids[run.name].frame_time),
             points=run.recording.points,
             measured=np.where(np.isnan(difference), np.nan, measured[place][:frames, :samples]),

@@ -29,6 +29,7 @@ def inversion_record(estimate: Estimate, configuration: Mapping[str, Any]) -> di
         "fields": {name: summary(estimate.mesh, f) for name, f in estimate.fields.items()},
         "fit": {
             "rmse": {name: run.rmse for name, run in estimate.runs.items()},
+            "noise": {name: run.noise for name, run in estimate.runs.items()},
             "rmse_unit": "K",
             "frames": {name: len(run.time) for name, run in estimate.runs.items()},
             "loss": estimate.history,
@@ -111,5 +112,8 @@ def inversion_table(record: Mapping[str, Any]) -> str:
         for name, f in record["fields"].items()
     ]
     first = table(rows, ["field", "unit", "median", "5 %", "95 %"])
-    fits = [[name, f"{value:.4g}"] for name, value in record["fit"]["rmse"].items()]
-    return f"{first}\n\n{table(fits, ['run', 'rmse [K]'])}"
+    fit = record["fit"]
+    fits = [
+        [name, f"{value:.4g}", f"{fit['noise'][name]:.2g}"] for name, value in fit["rmse"].items()
+    ]
+    return f"{first}\n\n{table(fits, ['run', 'rmse [K]', 'noise [K]'])}"
