@@ -78,10 +78,24 @@ def test_two_values_stay_what_they_are_away_from_their_boundary(old: Mesh, new: 
 @pytest.mark.parametrize(("old", "new"), [(COARSE, FINE), (FINE, COARSE)])
 def test_the_nearest_cell_and_face_give_the_value(old: Mesh, new: Mesh) -> None:
     cells, faces = carry_over({"convection": numbered(old)}, old, new, "estimate")["convection"]
-    for picked, centres in ((cells, cell_centres), (faces, face_centres)):
-        apart = np.linalg.norm(centres(new)[:, None] - centres(old)[None], axis=2)
-        taken = apart[np.arange(len(picked)), picked.astype(int)]
-        np.testing.assert_allclose(taken, apart.min(1), rtol=1e-9)
+    apart = np.linalg.norm(cell_centres(new)[:, None] - cell_centres(old)[None], axis=2)
+    taken = apart[np.arange(len(cells)), cells.astype(int)]
+    np.testing.assert_allclose(taken, apart.min(1), rtol=1e-9)
+    # On the flat sides of a box the face lies on the same side, and is the nearest one there.
+    same = (new.normals @ old.normals.T) > 0.99
+    apart = np.linalg.norm(face_centres(new)[:, None] - face_centres(old)[None], axis=2)
+    picked = faces.astype(int)
+    assert same[np.arange(len(picked)), picked].all()
+    taken = apart[np.arange(len(picked)), picked]
+    np.testing.assert_allclose(taken, np.where(same, apart, np.inf).min(1), rtol=1e-9)
+
+
+def test_the_rim_of_a_thin_plate_does_not_take_the_values_of_its_side() -> None:
+    coarse, fine = (box_mesh((0.04, 0.04, 0.002), (n, n, 1)) for n in (5, 20))
+    faces = np.where(coarse.normals[:, 2] > 0.9, 1.0, 0.0)
+    field = RecoveredField("convection", "W/m2/K", np.zeros(len(coarse.cells)), faces)
+    found = carry_over({"convection": field}, coarse, fine, "estimate")["convection"][1]
+    np.testing.assert_array_equal(found, np.where(fine.normals[:, 2] > 0.9, 1.0, 0.0))
 
 
 def other_size() -> Mesh:

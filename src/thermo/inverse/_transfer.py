@@ -22,6 +22,9 @@ def carry_over(
 ) -> dict[str, Values]:
     """Values of each field on another mesh [m], those of the nearest cell and face.
 
+    Faces that look another way count as one edge further for each unit of their normals'
+    difference, so that the side of a plate does not speak for the rim of its top.
+
     Raises `InputError` where the meshes are not of one object; `where` names the estimate.
     """
     ends = np.array([[mesh.nodes.min(0), mesh.nodes.max(0)] for mesh in (old, new)])
@@ -36,7 +39,12 @@ def carry_over(
             remedy="give as `data` a scene with the surface that was fitted",
         )
     cell = KDTree(old.nodes[old.cells[:, :4]].mean(1)).query(new.nodes[new.cells[:, :4]].mean(1))
-    face = KDTree(old.nodes[old.faces[:, :3]].mean(1)).query(new.nodes[new.faces[:, :3]].mean(1))
+    edge = float(np.sqrt(2 * face_areas(old).mean()))
+    there, here = (
+        np.hstack([mesh.nodes[mesh.faces[:, :3]].mean(1), edge * mesh.normals])
+        for mesh in (old, new)
+    )
+    face = KDTree(there).query(here)
     return {
         name: (field.cells[np.asarray(cell[1])], field.faces[np.asarray(face[1])])
         for name, field in fields.items()
