@@ -70,7 +70,10 @@ def invert(settings: Configuration) -> None:
         if estimate.success
         else f"NOT CONVERGED after {steps} steps: {remedy}."
     )
-    print(f"\n{ended} {estimate.resolution}\n{out / 'result.json'}, {estimate.seconds:.0f} s")
+    remarks = "".join(f"\n{remark}" for remark in estimate.remarks)
+    print(
+        f"\n{ended} {estimate.resolution}{remarks}\n{out / 'result.json'}, {estimate.seconds:.0f} s"
+    )
 
 
 def _remedy(steps: int, optimiser: inverse.AbstractOptimiser) -> str:

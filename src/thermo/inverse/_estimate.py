@@ -62,6 +62,7 @@ class Estimate:
     - `stated`: uniform values of everything else [SI]; `fields`: what was recovered, by name.
     - `runs`: how each run was fitted; `history`: loss after each step of each stage [1].
     - `success`; `seconds` [s]; `resolution`: a sentence on how well the skin is resolved.
+    - `remarks`: sentences on what a reader of the result should know.
     """
 
     mesh: Mesh
@@ -73,6 +74,7 @@ class Estimate:
     success: bool
     seconds: float
     resolution: str
+    remarks: tuple[str, ...] = ()
 
 
 def weighted_quantile(

@@ -10,10 +10,10 @@ from typing import Literal
 import jax.numpy as jnp
 import numpy as np
 
-from thermo.fields import AbstractField
+from thermo.fields import AbstractField, TwoMaterialField
 from thermo.inverse._body import Meshing, check_values, duration
-from thermo.inverse._estimate import Estimate, RecoveredField
-from thermo.inverse._field_choice import AbstractFieldChoice, OnControlPoints
+from thermo.inverse._estimate import Estimate, RecoveredField, RunFit
+from thermo.inverse._field_choice import AbstractFieldChoice, OnControlPoints, TwoMaterials
 from thermo.inverse._least_squares import LevenbergMarquardt
 from thermo.inverse._minimise import OnStep, minimise
 from thermo.inverse._objective import with_fields
@@ -96,17 +96,43 @@ def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: flo
     found = with_fields(fit.objective, fit.parameters)
     diffusivity = _median_diffusivity(ready.stated, found)
     resolved = resolution(ready.mesh, diffusivity=diffusivity, duration=duration(task.scene))
+    met = run_fits(fit, task.runs, ready.grids)
     return Estimate(
         mesh=ready.mesh,
         order=orders[-1],
         stated=ready.stated,
         fields=_recovered(found),
-        runs=run_fits(fit, task.runs, ready.grids),
+        runs=met,
         history=fit.history,
         success=fit.success,
         seconds=time.monotonic() - begun,
         resolution=resolved.describe(),
+        remarks=(*_one_material(task, found), *_unexplained(task, met)),
     )
+
+
+def _one_material(task: Task, found: dict[str, AbstractField]) -> list[str]:
+    return [
+        f"The first stage shows one material in {name}: it was fitted on control points."
+        for name, item in found.items()
+        if isinstance(task.choice, TwoMaterials) and not isinstance(item, TwoMaterialField)
+    ]
+
+
+UNEXPLAINED = 2.0
+"""Residual over noise and model error [1] from which a run is said not to be explained."""
+
+
+def _unexplained(task: Task, met: dict[str, RunFit]) -> list[str]:
+    ratios = {
+        name: run.rmse / float(np.hypot(run.noise, task.model_error)) for name, run in met.items()
+    }
+    return [
+        f"The residual of {name} is {ratio:.2g} times its noise with model_error: this field or "
+        "this model does not explain the recording."
+        for name, ratio in ratios.items()
+        if ratio > UNEXPLAINED
+    ]
 
 
 def _median_diffusivity(stated: Stated, found: dict[str, AbstractField]) -> float:

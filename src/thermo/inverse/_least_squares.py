@@ -56,35 +56,73 @@ def _dense_residual(objective: Objective, unravel: Any) -> Any:
     return function
 
 
-def _bounded(move: Float[Array, " unknowns"], trust: Float[Array, ""]) -> Float[Array, " unknowns"]:
-    """The step [1] with every parameter's change cut at `LONGEST`, or less where trust was lost.
+def _most(trust: Float[Array, ""]) -> Float[Array, ""]:
+    """The largest change of a parameter [1] at a trust, the inverse of the damping [1].
 
     Far from the answer a field can be so stiff that the data hardly change with it, and the
-    undamped step leaves the bounds; finding the right damping by trial costs a run a trial. Each
-    parameter is cut by itself: one that the data hardly know would hold up all others. Damping
-    counts only once it is as large as the normal matrix, after many rejected steps; the cut
-    follows `trust`, the inverse of the damping [1], from the first one on.
+    undamped step leaves the bounds; finding the right damping by trial costs a run a trial. And
+    damping counts only once it is as large as the normal matrix, after many rejected steps.
     """
-    most = jnp.minimum(LONGEST, optx.max_norm(move)) * jnp.minimum(1.0, trust / FIRST_STEP)
+    return LONGEST * jnp.minimum(1.0, trust / FIRST_STEP)
+
+
+def _shortened(
+    move: Float[Array, " unknowns"], trust: Float[Array, ""]
+) -> Float[Array, " unknowns"]:
+    """The step [1] along its own way, no parameter changed by more than the trust allows."""
+    longest = optx.max_norm(move)
+    most = jnp.minimum(LONGEST, longest) * _most(trust) / LONGEST
+    return move * jnp.minimum(1.0, most / jnp.maximum(longest, 1e-12))
+
+
+def _cut(move: Float[Array, " unknowns"], trust: Float[Array, ""]) -> Float[Array, " unknowns"]:
+    """The step [1] with the change of each parameter cut by itself.
+
+    One that the data hardly know does not hold up the others then; but the step goes another way,
+    which need not be downhill.
+    """
+    most = jnp.minimum(LONGEST, optx.max_norm(move)) * _most(trust) / LONGEST
     return jnp.clip(move, -most, most)
 
 
 @final
+class _Near(eqx.Module):
+    """The loss near the point where a fit stands: slope J^T r and normal matrix J^T J [1]."""
+
+    inner: Any
+    slope: Float[Array, " unknowns"]
+    normal: Float[Array, "unknowns unknowns"]
+
+    def promise(self, move: Float[Array, " unknowns"]) -> Float[Array, ""]:
+        """By how much the linearised residual lets the loss fall [1] in a step."""
+        return -(self.slope @ move + 0.5 * move @ self.normal @ move)
+
+    def most(self) -> Float[Array, ""]:
+        """The promise of the whole step [1], with the first damping and nothing cut."""
+        size, way = jnp.linalg.eigh(self.normal)
+        return self.promise(-way @ ((self.slope @ way) / (jnp.maximum(size, 0) + 1 / FIRST_STEP)))
+
+
+@final
 class _BoundedDescent(optx.AbstractDescent):
-    """A damped Newton step of bounded length."""
+    """A damped Newton step of bounded length: cut or shortened, whichever promises more."""
 
     damped: optx.DampedNewtonDescent
 
     def init(self, y: Any, f_info_struct: Any) -> Any:
-        return self.damped.init(y, f_info_struct)
+        inner = self.damped.init(y, f_info_struct)
+        return _Near(inner, jnp.zeros_like(y), jnp.zeros((y.size, y.size)))
 
     def query(self, y: Any, f_info: Any, state: Any) -> Any:
-        return self.damped.query(y, f_info, state)
+        matrix = f_info.jac.as_matrix()
+        inner = self.damped.query(y, f_info, state.inner)
+        return _Near(inner, f_info.residual @ matrix, matrix.T @ matrix)
 
     def step(self, step_size: Any, state: Any) -> Any:
         trust = jnp.minimum(step_size, FIRST_STEP)
-        move, result = self.damped.step(trust, state)
-        return _bounded(move, trust), result
+        move, result = self.damped.step(trust, state.inner)
+        cut, short = _cut(move, trust), _shortened(move, trust)
+        return jnp.where(state.promise(cut) > state.promise(short), cut, short), result
 
 
 def _prepare(
@@ -122,15 +160,15 @@ def _advance(
     done, result = solver.terminate(function, new, None, {}, state, frozenset())
     loss = 0.5 * jnp.sum(state.f_info.residual**2)
     # The loss is half a chi-squared: a step that promises less than this moves no parameter by
-    # more than a fraction of its own uncertainty.
-    change = state.f_info.jac.mv(state.y_eval - new)
-    promise = -jnp.sum(change * (state.f_info.residual + 0.5 * change))
-    settled = promise < jnp.maximum(SETTLED, objective.settled * loss)
+    # more than a fraction of its own uncertainty. A step that is cut promises less than there is.
+    settled = state.descent_state.most() < jnp.maximum(SETTLED, objective.settled * loss)
     stalled = jnp.zeros_like(settled)
     if objective.tangents is not None:
-        # What coarse tangents promise is not what they gain: a gain as small as that ends it too.
+        # What coarse tangents promise is not what they gain: a gain as small as that ends it too,
+        # as long as the step was not shortened for lack of trust.
         gain = 0.5 * jnp.sum(before.f_info.residual**2) - loss
-        settled = settled | (~before.first_step & (gain > 0) & (gain < objective.settled * loss))
+        little = objective.settled * loss * before.search_state.step_size / FIRST_STEP
+        settled = settled | (~before.first_step & (gain > 0) & (gain < little))
         stalled = state.num_steps_since_acceptance >= STALLED
     fine = (done & (result == optx.RESULTS.successful)) | settled
     return unravel(new), state, loss, (done | settled | stalled, fine)
@@ -239,11 +277,14 @@ def _advance_krylov(
     )
     # Running out of iterations is no failure: what conjugate gradients have by then is still a
     # direction of descent, and the trust region judges it.
-    move = _bounded(lx.linear_solve(damped, -slope, inner, throw=False).value, step)
+    whole = lx.linear_solve(damped, -slope, inner, throw=False).value
+    move = _shortened(whole, step)
+    part = optx.max_norm(move) / jnp.maximum(optx.max_norm(whole), 1e-12)
+    along, across = slope @ whole, 0.5 * jnp.sum(push(whole) ** 2)
     loss = 0.5 * jnp.sum(value**2)
-    predicted = slope @ move + 0.5 * jnp.sum(push(move) ** 2)
+    predicted = part * along + part**2 * across
     moved = accept & begun
-    settled = -predicted < jnp.maximum(SETTLED, objective.settled * loss)
+    settled = -(along + across) < jnp.maximum(SETTLED, objective.settled * loss)
     settled = settled | (moved & jnp.all(jnp.abs(flat - stood) < rtol * (1 + jnp.abs(flat))))
     return unravel(flat), _Trial(step, loss, flat + move, predicted), loss, (settled, settled)
 

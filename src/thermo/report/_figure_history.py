@@ -15,6 +15,7 @@ from ._canvas import new_figure, round_ticks, save, tidy
 def figure_history(
     path: Path,
     losses: Sequence[float] | Float[np.ndarray, " steps"],
+    starts: Sequence[int] = (0,),
     title: str = "Loss history",
 ) -> None:
     """Draws the loss after each step, and the best so far, as PNG.
@@ -23,6 +24,7 @@ def figure_history(
     - `path`: the file; its folder is made if it is missing.
     - `losses`: the loss [1] at the start and after each step; steps without a finite loss are
       gaps. The axis is logarithmic where every finite loss is positive.
+    - `starts`: number [1] of the first step of each stage; losses of two stages do not compare.
     - `title`: one line above.
     """
     loss = np.asarray(losses, dtype=float)
@@ -33,15 +35,21 @@ def figure_history(
     marker = "o" if len(loss) <= 60 else ""
     shown = np.where(finite, loss, np.nan)
     axes.plot(steps, shown, color="#2166ac", lw=1.2, marker=marker, ms=4, label="loss")
-    if finite.any():
-        best = np.fmin.accumulate(shown)
-        axes.plot(steps, best, color="#b2182b", lw=1.0, ls="--", label="best so far")
+    if finite[starts[-1] :].any():
+        ends = [*starts[1:], len(loss)]
+        for start, end in zip(starts, ends, strict=True):
+            best = np.fmin.accumulate(shown[start:end])
+            label = "best so far" if start == starts[0] else None
+            axes.plot(steps[start:end], best, color="#b2182b", lw=1.0, ls="--", label=label)
+        for start in starts[1:]:
+            axes.axvline(start - 0.5, color="0.6", lw=0.8, ls=":")
         if (loss[finite] > 0).all():
             axes.set_yscale("log")
             round_ticks(axes.yaxis)
         # A restored or interrupted run may end above its best.
+        last = starts[-1] + int(np.nanargmin(shown[starts[-1] :]))
         axes.annotate(
-            f"{np.nanmin(shown):.4g}", (int(np.nanargmin(shown)), float(np.nanmin(shown))),
+            f"{shown[last]:.4g}", (last, float(shown[last])),
             (0, 6), textcoords="offset points", fontsize=8, ha="right",
         )  # fmt: skip
     tidy(axes)

@@ -42,6 +42,7 @@ def inversion_record(estimate: Estimate, configuration: Mapping[str, Any]) -> di
             "resolution": estimate.resolution,
         },
         "success": estimate.success,
+        "remarks": list(estimate.remarks),
         "seconds": estimate.seconds,
         "versions": versions(),
         "configuration": configuration,
@@ -67,7 +68,9 @@ def _figures(folder: Path, estimate: Estimate) -> None:
             rms_of(run.simulated, run.measured),
             f"Residual of {name}",
         )
-    figure_history(folder / "history.png", np.concatenate([np.array(h) for h in estimate.history]))
+    losses = [loss for stage in estimate.history for loss in stage]
+    starts = np.cumsum([0, *map(len, estimate.history[:-1])]).tolist()
+    figure_history(folder / "history.png", losses, starts)
 
 
 def rms_of(simulated: np.ndarray, measured: np.ndarray) -> np.ndarray:
