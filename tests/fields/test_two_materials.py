@@ -18,6 +18,7 @@ from thermo.fields import (
     TwoMaterialField,
     place_control_points,
     two_material_field,
+    two_material_values,
 )
 from thermo.fields._two_materials import (
     CELL_POINTS,
@@ -180,9 +181,9 @@ def test_the_points_of_a_cell_are_exact_to_the_second_degree(points: np.ndarray)
 
 def test_weights_meet_the_controls_and_keep_a_plane() -> None:
     corners, one = box().nodes[box().cells[:40, :4]], np.ones((1, 1))
-    at_controls = _weights(controls(), controls().points[:, None], one)[:, 0]
+    at_controls = _weights(controls().points, controls().points[:, None], one)[:, 0]
     np.testing.assert_allclose(at_controls, np.eye(60), atol=1e-10)
-    weights = _weights(controls(), corners, CELL_POINTS)
+    weights = _weights(controls().points, corners, CELL_POINTS)
     np.testing.assert_allclose(weights.sum(-1), 1.0, rtol=1e-10)
     expected = np.einsum("qc,pcx->pqx", CELL_POINTS, corners)
     np.testing.assert_allclose(weights @ controls().points, expected, atol=1e-12)
@@ -192,7 +193,7 @@ def test_weights_of_controls_in_one_plane_keep_constants() -> None:
     flat = controls().points[controls().points[:, 2] == 0.0]
     assert len(flat) > 8
     corners = box().nodes[box().cells[:40, :4]]
-    weights = _weights(by_hand(flat, []), corners, CELL_POINTS)
+    weights = _weights(flat, corners, CELL_POINTS)
     np.testing.assert_allclose(weights.sum(-1), 1.0, rtol=1e-10)
 
 
@@ -310,6 +311,17 @@ def test_equal_controls_on_both_sides_of_the_boundary() -> None:
     values = np.where(along < 0.4, 1.0, np.where(along < 0.6, 2.1, 4.0))
     field, _ = parted(box(), controls(2), values)
     assert np.isfinite(np.asarray(field.cell_values())).all()
+
+
+def test_a_boundary_apart_from_its_mesh_gives_the_same_values_on_it() -> None:
+    field = shifted(halves()[0], 0.4)
+    cells, faces = two_material_values(field.boundary(), box())
+    np.testing.assert_allclose(cells, np.asarray(field.cell_values()), rtol=1e-9)
+    np.testing.assert_allclose(faces, np.asarray(field.face_values()), rtol=1e-9)
+    finer = box_mesh(SIZE, (2 * LAYERS, 8, 8))
+    cells, _ = two_material_values(field.boundary(), finer)
+    coarse = cell_volumes(box()) @ np.log(np.asarray(field.cell_values()))
+    assert cell_volumes(finer) @ np.log(cells) == pytest.approx(coarse, rel=2e-2)
 
 
 def hollow() -> Mesh:

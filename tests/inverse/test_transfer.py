@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from thermo.errors import InputError
-from thermo.inverse import RecoveredField
+from thermo.fields import Boundary, two_material_values
+from thermo.inverse import Estimate, RecoveredField, load_estimate, save_estimate
+from thermo.inverse._properties import Stated
 from thermo.inverse._transfer import SAME, carry_over, medians
 from thermo.mesh import Mesh, box_mesh, face_areas, promote
 
@@ -161,3 +165,26 @@ def test_half_of_the_area_lies_below_the_median(seed: int) -> None:
     middle = medians({"convection": field}, old, old)["convection"][1][0]
     for part in (field.faces < middle, field.faces > middle):
         assert areas[part].sum() <= 0.5 * areas.sum() + 0.5 * areas.max()
+
+
+def test_two_materials_are_laid_out_anew_and_survive_their_file(tmp_path: Path) -> None:
+    old, new = box_mesh(SIZE, (8, 4, 4)), box_mesh(SIZE, (16, 6, 6))
+    points = old.nodes[np.unique(old.faces)]
+    boundary = Boundary(points, points[:, 0] - 0.017, np.array([1.0, 4.0]))
+    cells, faces = two_material_values(boundary, old)
+    field = RecoveredField("conductivity", "W/m/K", cells, faces, boundary)
+    found = carry_over({"conductivity": field}, old, new, "estimate")["conductivity"]
+    for mine, theirs in zip(found, two_material_values(boundary, new), strict=True):
+        np.testing.assert_array_equal(mine, theirs)
+    # A plane boundary in its closed form, far from it and on it.
+    along = cell_centres(new)[:, 0]
+    assert np.allclose(np.asarray(found[0])[along > 0.025], 4.0, rtol=1e-4)
+    assert np.allclose(np.asarray(found[0])[along < 0.010], 1.0, rtol=1e-4)
+    stated = Stated(1.0, 2e6, 8.0, 0.9)
+    fields = {"conductivity": field}
+    fit = Estimate(old, 2, stated, fields, {}, [[1.0]], True, 1.0, "well resolved")
+    save_estimate(tmp_path / "estimate.npz", fit)
+    again = load_estimate(tmp_path / "estimate.npz")[3]["conductivity"].boundary
+    assert again is not None
+    for part in ("points", "heights", "levels"):
+        np.testing.assert_array_equal(getattr(again, part), getattr(boundary, part))

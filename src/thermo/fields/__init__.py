@@ -13,12 +13,18 @@ from thermo.fields._head import AbstractHead, LinearHead, LogHead
 from thermo.fields._network import NetworkField, encode, network_field
 from thermo.fields._quantity import QUANTITIES, Quantity
 from thermo.fields._surface_graph import ControlPoints, place_control_points, surface_vertices
-from thermo.fields._two_materials import TwoMaterialField, two_material_field
+from thermo.fields._two_materials import (
+    Boundary,
+    TwoMaterialField,
+    two_material_field,
+    two_material_values,
+)
 
 __all__ = [
     "QUANTITIES",
     "AbstractField",
     "AbstractHead",
+    "Boundary",
     "ControlPoints",
     "DirectField",
     "Extension",
@@ -36,5 +42,6 @@ __all__ = [
     "place_control_points",
     "surface_vertices",
     "two_material_field",
+    "two_material_values",
     "uniform_field",
 ]

@@ -28,6 +28,19 @@ FACE_POINTS = np.full((3, 3), 1 / 6) + np.eye(3) / 2
 
 
 @final
+class Boundary(eqx.Module):
+    """Two materials apart from any mesh.
+
+    - `points`: (controls, 3) [m]; `heights`: how far above the boundary they are, (controls,) [m].
+    - `levels`: values far below and far above it, (2,) [in the quantity's unit].
+    """
+
+    points: Float[np.ndarray, "controls 3"]
+    heights: Float[np.ndarray, " controls"]
+    levels: Float[np.ndarray, "2"]
+
+
+@final
 class TwoMaterialField(AbstractField):
     """log phi = mean over a cell or face of [log low + (log high - log low) (1 + tanh(u)) / 2].
 
@@ -39,6 +52,9 @@ class TwoMaterialField(AbstractField):
     - `shifts`: s, (controls,) [1].
     - `cell_base` (cells, 4), `cell_weight` (cells, 4, controls) [1]; on faces three points.
     - `control_base` (controls,) [1]; `gain`: of a control's shift on its own u [1].
+    - `width`: half the transition, that is one unit of u [m].
+    - `points` (all, 3) [m], `heights` (all,) [1]: u before all shifts at all control points;
+      `near`: which of them shift.
 
     Source: Aghasi, Kilmer, Miller, SIAM J. Imaging Sciences 4 (2011) 618, parametric level sets.
     """
@@ -53,6 +69,10 @@ class TwoMaterialField(AbstractField):
     face_weight: Float[Array, "faces 3 controls"]
     control_base: Float[Array, " controls"]
     gain: Float[Array, ""]
+    width: Float[Array, ""]
+    points: Float[np.ndarray | Array, "all 3"]
+    heights: Float[np.ndarray | Array, " all"]
+    near: Int[np.ndarray | Array, " controls"]
 
     def parameters(self) -> dict[str, Float[Array, "..."]]:
         """Both levels and the shifts [1]."""
@@ -62,6 +82,13 @@ class TwoMaterialField(AbstractField):
         """The same field with other levels and shifts [1]."""
         new = (parameters["levels"], parameters["shifts"])
         return eqx.tree_at(lambda field: (field.levels, field.shifts), self, new)
+
+    def boundary(self) -> Boundary:
+        """The field apart from its mesh: points and their heights [m], and both values."""
+        heights = np.array(self.heights)
+        heights[np.asarray(self.near)] += np.asarray(self.gain * self.shifts)
+        levels = np.asarray(self.head.value(self.levels))
+        return Boundary(np.asarray(self.points), heights * float(self.width), levels)
 
     def _between(self, height: Float[Array, "*any"]) -> Float[Array, "*any"]:
         low, high = jnp.log(self.head.value(self.levels))
@@ -84,6 +111,29 @@ class TwoMaterialField(AbstractField):
         """Values on the boundary faces, in the quantity's unit."""
         height = self.face_base + self.face_weight @ self.shifts
         return jnp.exp(jnp.mean(self._between(height), axis=1))
+
+
+def _half_edge(mesh: Mesh) -> float:
+    """Half the median edge of the surface [m]."""
+    nodes, _ = surface_vertices(mesh)
+    edges = mesh.nodes[nodes][surface_edges(mesh)]
+    return 0.5 * float(np.median(np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1)))
+
+
+def two_material_values(
+    boundary: Boundary, mesh: Mesh
+) -> tuple[Float[np.ndarray, " cells"], Float[np.ndarray, " faces"]]:
+    """Two materials in the cells and on the faces of any mesh [m], in the quantity's unit.
+
+    The transition is as sharp as that mesh can show.
+    """
+    low, high = np.log(boundary.levels)
+    above = boundary.heights / _half_edge(mesh)
+    values = []
+    for parts, inside in ((mesh.cells[:, :4], CELL_POINTS), (mesh.faces[:, :3], FACE_POINTS)):
+        height = _weights(boundary.points, mesh.nodes[parts], inside) @ above
+        values.append(np.exp(np.mean(low + (high - low) * 0.5 * (1 + np.tanh(height)), axis=1)))
+    return values[0], values[1]
 
 
 def two_groups(
@@ -131,19 +181,19 @@ def _heights(
 
 
 def _weights(
-    controls: ControlPoints, corners: Float[np.ndarray, "parts c 3"], inside: np.ndarray
+    points: Float[np.ndarray, "controls 3"],
+    corners: Float[np.ndarray, "parts c 3"],
+    inside: np.ndarray,
 ) -> Float[np.ndarray, "parts c controls"]:
     """Weights [1] of all controls at points `inside` cells or faces of given corners [m].
 
     Biharmonic splines with a linear part: a plane boundary stays a plane.
     """
     place = np.einsum("qc,pcx->pqx", inside, corners)
-    centred = controls.points - controls.points.mean(0)
+    centred = points - points.mean(0)
     spread = np.linalg.svd(centred, compute_uv=False)
     flat = len(spread) < 3 or spread[-1] < 1e-6 * spread[0]
-    spline = RBFInterpolator(
-        controls.points, np.eye(len(controls.points)), kernel="linear", degree=0 if flat else 1
-    )
+    spline = RBFInterpolator(points, np.eye(len(points)), kernel="linear", degree=0 if flat else 1)
     return spline(place.reshape(-1, 3)).reshape(*place.shape[:2], -1)
 
 
@@ -177,12 +227,10 @@ def two_material_field(
     step = np.linalg.norm(np.diff(controls.points[controls.pairs], axis=1)[:, 0], axis=1)
     spacing = float(np.median(step))
     near = np.flatnonzero(np.abs(height) < REACH * spacing)
-    nodes, _ = surface_vertices(mesh)
-    edges = mesh.nodes[nodes][surface_edges(mesh)]
-    width = 0.5 * float(np.median(np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1)))
+    width = _half_edge(mesh)
     gain = SHIFT * spacing / width
-    in_cells = _weights(controls, mesh.nodes[mesh.cells[:, :4]], CELL_POINTS)
-    on_faces = _weights(controls, mesh.nodes[mesh.faces[:, :3]], FACE_POINTS)
+    in_cells = _weights(controls.points, mesh.nodes[mesh.cells[:, :4]], CELL_POINTS)
+    on_faces = _weights(controls.points, mesh.nodes[mesh.faces[:, :3]], FACE_POINTS)
     number = np.full(len(controls.vertex), -1)
     number[near] = np.arange(len(near))
     pairs = number[controls.pairs]
@@ -197,5 +245,9 @@ def two_material_field(
         jnp.asarray(on_faces[:, :, near] * gain),
         jnp.asarray(height[near] / width),
         jnp.asarray(gain),
+        jnp.asarray(width),
+        controls.points,
+        height / width,
+        near,
     )
     return field, pairs[(pairs >= 0).all(1)]

@@ -14,11 +14,12 @@ import numpy as np
 from jaxtyping import Float
 
 from thermo.errors import InputError
-from thermo.fields import QUANTITIES
+from thermo.fields import QUANTITIES, Boundary
 from thermo.inverse._properties import Stated
 from thermo.mesh import Mesh, face_areas, mesh_from_cells
 
 FORMAT = "thermofield-estimate/1"
+PARTS = ("points", "heights", "levels")
 
 
 @final
@@ -27,12 +28,14 @@ class RecoveredField:
     """A recovered quantity [its SI unit].
 
     - `name`, `unit`; `cells` (cells,), `faces` (faces,): its values.
+    - `boundary`: two materials apart from the mesh, None for other fields.
     """
 
     name: str
     unit: str
     cells: Float[np.ndarray, " cells"]
     faces: Float[np.ndarray, " faces"]
+    boundary: Boundary | None = None
 
 
 @final
@@ -123,6 +126,9 @@ def save_estimate(path: Path, estimate: Estimate) -> None:
     }
     for name, field in estimate.fields.items():
         arrays[f"cells_{name}"], arrays[f"faces_{name}"] = field.cells, field.faces
+        if field.boundary is not None:
+            for part in PARTS:
+                arrays[f"{part}_{name}"] = getattr(field.boundary, part)
     # Not from `tempfile`, whose files only their owner may read.
     temporary = path.with_name(f".{path.name}.{os.getpid()}.{secrets.token_hex(4)}.npz")
     try:
@@ -147,7 +153,13 @@ def load_estimate(path: Path) -> tuple[Mesh, int, Stated, dict[str, RecoveredFie
             raise ValueError("the faces are in another order")
         fields = {
             name: RecoveredField(
-                name, quantity.unit, arrays[f"cells_{name}"], arrays[f"faces_{name}"]
+                name,
+                quantity.unit,
+                arrays[f"cells_{name}"],
+                arrays[f"faces_{name}"],
+                Boundary(*(arrays[f"{part}_{name}"] for part in PARTS))
+                if f"{PARTS[0]}_{name}" in arrays
+                else None,
             )
             for name, quantity in QUANTITIES.items()
             if f"cells_{name}" in arrays

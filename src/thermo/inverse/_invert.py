@@ -150,6 +150,7 @@ def _recovered(found: dict[str, AbstractField]) -> dict[str, RecoveredField]:
             item.quantity.unit,
             np.asarray(item.cell_values()),
             np.asarray(item.face_values()),
+            item.boundary() if isinstance(item, TwoMaterialField) else None,
         )
         for name, item in found.items()
     }

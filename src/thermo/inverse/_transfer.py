@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from thermo.errors import InputError
+from thermo.fields import two_material_values
 from thermo.inverse._estimate import RecoveredField, weighted_quantile
 from thermo.inverse._properties import Values
 from thermo.mesh import Mesh, face_areas
@@ -21,6 +22,8 @@ def carry_over(
     fields: Mapping[str, RecoveredField], old: Mesh, new: Mesh, where: str
 ) -> dict[str, Values]:
     """Values of each field on another mesh [m], those of the nearest cell and face.
+
+    Two materials are laid out on the other mesh anew, with the same boundary.
 
     Faces that look another way count as one edge further for each unit of their normals'
     difference, so that the side of a plate does not speak for the rim of its top.
@@ -47,6 +50,8 @@ def carry_over(
     face = KDTree(there).query(here)
     return {
         name: (field.cells[np.asarray(cell[1])], field.faces[np.asarray(face[1])])
+        if field.boundary is None
+        else two_material_values(field.boundary, new)
         for name, field in fields.items()
     }
 
