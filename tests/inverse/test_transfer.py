@@ -176,10 +176,10 @@ def test_two_materials_are_laid_out_anew_and_survive_their_file(tmp_path: Path) 
     found = carry_over({"conductivity": field}, old, new, "estimate")["conductivity"]
     for mine, theirs in zip(found, two_material_values(boundary, new), strict=True):
         np.testing.assert_array_equal(mine, theirs)
-    # A plane boundary in its closed form, far from it and on it.
+    # A plane boundary stays plane; six half edges from it the value is that of the material.
     along = cell_centres(new)[:, 0]
-    assert np.allclose(np.asarray(found[0])[along > 0.025], 4.0, rtol=1e-4)
-    assert np.allclose(np.asarray(found[0])[along < 0.010], 1.0, rtol=1e-4)
+    assert np.allclose(np.asarray(found[0])[along > 0.025], 4.0, rtol=1e-3)
+    assert np.allclose(np.asarray(found[0])[along < 0.010], 1.0, rtol=1e-3)
     stated = Stated(1.0, 2e6, 8.0, 0.9)
     fields = {"conductivity": field}
     fit = Estimate(old, 2, stated, fields, {}, [[1.0]], True, 1.0, "well resolved")
