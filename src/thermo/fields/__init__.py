@@ -7,7 +7,7 @@ from thermo.fields._direct import (
     uniform_field,
 )
 from thermo.fields._extension import Extension
-from thermo.fields._field import AbstractField
+from thermo.fields._field import AbstractExtendedField, AbstractField
 from thermo.fields._frozen import FrozenField, freeze
 from thermo.fields._head import AbstractHead, LinearHead, LogHead
 from thermo.fields._network import NetworkField, encode, network_field
@@ -22,6 +22,7 @@ from thermo.fields._two_materials import (
 
 __all__ = [
     "QUANTITIES",
+    "AbstractExtendedField",
     "AbstractField",
     "AbstractHead",
     "Boundary",

@@ -14,7 +14,7 @@ from thermo.fields._extension import (
     patch_extension,
     uniform_extension,
 )
-from thermo.fields._field import AbstractField
+from thermo.fields._field import AbstractExtendedField
 from thermo.fields._head import AbstractHead
 from thermo.fields._quantity import Quantity
 from thermo.fields._surface_graph import ControlPoints
@@ -22,7 +22,7 @@ from thermo.mesh import Mesh
 
 
 @final
-class DirectField(AbstractField):
+class DirectField(AbstractExtendedField):
     """One value a control, phi_i = head(u_i).
 
     - `raw`: u, (controls,) [1]; `head`: the map to physical values.
@@ -44,18 +44,6 @@ class DirectField(AbstractField):
     def control_values(self) -> Float[Array, " controls"]:
         """Physical values at the controls, in the quantity's unit."""
         return self.head.value(self.raw)
-
-    def smooth_values(self) -> Float[Array, " controls"]:
-        """log(phi) at the controls [1]."""
-        return jnp.log(self.control_values())
-
-    def cell_values(self) -> Float[Array, " cells"]:
-        """Values in the cells, in the quantity's unit."""
-        return self.extension.to_cells(self.control_values())
-
-    def face_values(self) -> Float[Array, " faces"]:
-        """Values on the boundary faces, in the quantity's unit."""
-        return self.extension.to_faces(self.control_values())
 
 
 def _direct(

@@ -5,8 +5,10 @@ from __future__ import annotations
 from abc import abstractmethod
 
 import equinox as eqx
+import jax.numpy as jnp
 from jaxtyping import Array, Float, PyTree
 
+from thermo.fields._extension import Extension
 from thermo.fields._quantity import Quantity
 
 
@@ -41,3 +43,21 @@ class AbstractField(eqx.Module):
     @abstractmethod
     def face_values(self) -> Float[Array, " faces"]:
         """Values on the boundary faces, in the quantity's unit."""
+
+
+class AbstractExtendedField(AbstractField):
+    """A field whose values at its controls an extension carries to faces and cells, linearly."""
+
+    extension: eqx.AbstractVar[Extension]
+
+    def smooth_values(self) -> Float[Array, " controls"]:
+        """log(phi) at the controls [1]."""
+        return jnp.log(self.control_values())
+
+    def cell_values(self) -> Float[Array, " cells"]:
+        """Values in the cells, in the quantity's unit."""
+        return self.extension.to_cells(self.control_values())
+
+    def face_values(self) -> Float[Array, " faces"]:
+        """Values on the boundary faces, in the quantity's unit."""
+        return self.extension.to_faces(self.control_values())

@@ -9,15 +9,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, PyTree
 
-from thermo.fields._direct import DirectField
 from thermo.fields._extension import Extension
-from thermo.fields._field import AbstractField
-from thermo.fields._network import NetworkField
+from thermo.fields._field import AbstractExtendedField
 from thermo.fields._quantity import Quantity
 
 
 @final
-class FrozenField(AbstractField):
+class FrozenField(AbstractExtendedField):
     """Another field whose controls under `frozen` stay at `kept`, bit for bit.
 
     - `inner`: the field; `frozen`: (controls,); `kept`: (controls,) in the quantity's unit.
@@ -27,7 +25,7 @@ class FrozenField(AbstractField):
 
     quantity: Quantity = eqx.field(static=True)
     extension: Extension
-    inner: DirectField | NetworkField
+    inner: AbstractExtendedField
     frozen: Bool[np.ndarray | Array, " controls"]
     kept: Float[np.ndarray | Array, " controls"]
 
@@ -44,19 +42,7 @@ class FrozenField(AbstractField):
         """Physical values at the controls, in the quantity's unit."""
         return jnp.where(self.frozen, self.kept, self.inner.control_values())
 
-    def smooth_values(self) -> Float[Array, " controls"]:
-        """log(phi) at the controls [1]."""
-        return jnp.log(self.control_values())
 
-    def cell_values(self) -> Float[Array, " cells"]:
-        """Values in the cells, in the quantity's unit."""
-        return self.extension.to_cells(self.control_values())
-
-    def face_values(self) -> Float[Array, " faces"]:
-        """Values on the boundary faces, in the quantity's unit."""
-        return self.extension.to_faces(self.control_values())
-
-
-def freeze(field: DirectField | NetworkField, frozen: Bool[np.ndarray, " controls"]) -> FrozenField:
+def freeze(field: AbstractExtendedField, frozen: Bool[np.ndarray, " controls"]) -> FrozenField:
     """Keep the controls under `frozen` at their present values, in the quantity's unit."""
     return FrozenField(field.quantity, field.extension, field, frozen, field.control_values())

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Array, Float, PyTree
 
 from thermo.fields._extension import Extension, interpolating_extension
-from thermo.fields._field import AbstractField
+from thermo.fields._field import AbstractExtendedField
 from thermo.fields._head import AbstractHead
 from thermo.fields._quantity import Quantity
 from thermo.fields._surface_graph import ControlPoints
@@ -35,7 +35,7 @@ def encode(points: Float[Array, "controls 3"], octaves: int) -> Float[Array, "co
 
 
 @final
-class NetworkField(AbstractField):
+class NetworkField(AbstractExtendedField):
     """phi_i = head(g(encode(p_i))) with a small network g.
 
     - `points`: control points normalised to the bounding box, (controls, 3) [1].
@@ -65,18 +65,6 @@ class NetworkField(AbstractField):
         """Physical values at the controls, in the quantity's unit."""
         features = encode(jnp.asarray(self.points), self.octaves)
         return self.head.value(self.shift + jax.vmap(self.network)(features)[:, 0])
-
-    def smooth_values(self) -> Float[Array, " controls"]:
-        """log(phi) at the controls [1]."""
-        return jnp.log(self.control_values())
-
-    def cell_values(self) -> Float[Array, " cells"]:
-        """Values in the cells, in the quantity's unit."""
-        return self.extension.to_cells(self.control_values())
-
-    def face_values(self) -> Float[Array, " faces"]:
-        """Values on the boundary faces, in the quantity's unit."""
-        return self.extension.to_faces(self.control_values())
 
 
 def network_field(
