@@ -53,7 +53,12 @@ def test_a_graded_ball_is_finer_at_the_skin(ball, folder):
     assert mesh.volume() == pytest.approx(ball.volume(), rel=5e-3)
     centres = np.linalg.norm(mesh.nodes[mesh.cells].mean(axis=1), axis=1)
     size = np.cbrt(cell_volumes(mesh))
-    assert size[centres > 0.02].mean() < 0.6 * size[centres < 0.012].mean()
+    # The mesher is not reproducible: eleven meshes gave ratios of 0.41 to 0.62, ten of them 49 to
+    # 101 cells in the core; three meshes of one size 0.84 to 0.95 and 688 to 961.
+    in_core = centres < 0.012
+    assert size[centres > 0.02].mean() < 0.75 * size[in_core].mean()
+    regular = 4 / 3 * np.pi * 0.012**3 / (0.004**3 / (6 * np.sqrt(2)))
+    assert in_core.sum() < 0.4 * regular
 
 
 def test_a_second_call_reads_the_cache(cube, folder, no_mesher):
