@@ -51,7 +51,7 @@ class TwoMaterialField(AbstractField):
     - `levels`: unconstrained numbers of both values, (2,) [1]; `head`: their map to values.
     - `shifts`: s, (controls,) [1].
     - `cell_base` (cells, 4), `cell_weight` (cells, 4, controls) [1]; on faces three points.
-    - `control_base` (controls,) [1]; `gain`: of a control's shift on its own u [1].
+    - `gain`: of a control's shift on its own u [1].
     - `width`: half the transition, that is one unit of u [m].
     - `points` (all, 3) [m], `heights` (all,) [1]: u before all shifts at all control points;
       `near`: which of them shift.
@@ -67,7 +67,6 @@ class TwoMaterialField(AbstractField):
     cell_weight: Float[Array, "cells 4 controls"]
     face_base: Float[Array, "faces 3"]
     face_weight: Float[Array, "faces 3 controls"]
-    control_base: Float[Array, " controls"]
     gain: Float[Array, ""]
     width: Float[Array, ""]
     points: Float[np.ndarray | Array, "all 3"]
@@ -96,7 +95,8 @@ class TwoMaterialField(AbstractField):
 
     def control_values(self) -> Float[Array, " controls"]:
         """Physical values at the controls near the boundary, in the quantity's unit."""
-        return jnp.exp(self._between(self.control_base + self.gain * self.shifts))
+        base = jnp.asarray(self.heights)[self.near]
+        return jnp.exp(self._between(base + self.gain * self.shifts))
 
     def smooth_values(self) -> Float[Array, " controls"]:
         """The shifts of the boundary [1]."""
@@ -243,7 +243,6 @@ def two_material_field(
         jnp.asarray(in_cells[:, :, near] * gain),
         jnp.asarray(on_faces @ height / width),
         jnp.asarray(on_faces[:, :, near] * gain),
-        jnp.asarray(height[near] / width),
         jnp.asarray(gain),
         jnp.asarray(width),
         controls.points,
