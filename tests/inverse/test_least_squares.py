@@ -123,7 +123,10 @@ def test_steps_are_cut_or_shortened_and_more_where_trust_was_lost(
 def test_the_whole_step_promises_the_least_of_the_model() -> None:
     make = np.random.default_rng(1)
     matrix, value = make.normal(size=(30, 4)), make.normal(size=30)
-    near = least_squares._Near(None, jnp.asarray(value @ matrix), jnp.asarray(matrix.T @ matrix))
+    parts = jnp.linalg.eigh(jnp.asarray(matrix.T @ matrix))
+    near = least_squares._Near(jnp.asarray(value @ matrix), *parts)
+    damped = np.linalg.solve(matrix.T @ matrix + np.eye(4) / 5.0, -matrix.T @ value)
+    np.testing.assert_allclose(near.damped(5.0), damped, rtol=1e-12)
     best = np.linalg.lstsq(matrix, -value, rcond=None)[0]
     fall = 0.5 * (value @ value - np.sum((value + matrix @ best) ** 2))
     assert near.promise(jnp.asarray(best)) == pytest.approx(fall, rel=1e-12)

@@ -87,42 +87,48 @@ def _cut(move: Float[Array, " unknowns"], trust: Float[Array, ""]) -> Float[Arra
 
 @final
 class _Near(eqx.Module):
-    """The loss near the point where a fit stands: slope J^T r and normal matrix J^T J [1]."""
+    """The loss near the point where a fit stands.
 
-    inner: Any
+    - `slope`: J^T r, (unknowns,) [1]; `size`, `way`: eigenvalues and -vectors of J^T J [1].
+    """
+
     slope: Float[Array, " unknowns"]
-    normal: Float[Array, "unknowns unknowns"]
+    size: Float[Array, " unknowns"]
+    way: Float[Array, "unknowns unknowns"]
+
+    def damped(self, trust: Float[Array, ""] | float) -> Float[Array, " unknowns"]:
+        """The Newton step [1] with damping 1/trust."""
+        along = (self.slope @ self.way) / (jnp.maximum(self.size, 0) + 1 / trust)
+        return -self.way @ along
 
     def promise(self, move: Float[Array, " unknowns"]) -> Float[Array, ""]:
         """By how much the linearised residual lets the loss fall [1] in a step."""
-        return -(self.slope @ move + 0.5 * move @ self.normal @ move)
+        return -(self.slope @ move + 0.5 * jnp.sum(self.size * (move @ self.way) ** 2))
 
     def most(self) -> Float[Array, ""]:
         """The promise of the whole step [1], with the first damping and nothing cut."""
-        size, way = jnp.linalg.eigh(self.normal)
-        return self.promise(-way @ ((self.slope @ way) / (jnp.maximum(size, 0) + 1 / FIRST_STEP)))
+        return self.promise(self.damped(FIRST_STEP))
 
 
 @final
 class _BoundedDescent(optx.AbstractDescent):
     """A damped Newton step of bounded length: cut or shortened, whichever promises more."""
 
-    damped: optx.DampedNewtonDescent
-
     def init(self, y: Any, f_info_struct: Any) -> Any:
-        inner = self.damped.init(y, f_info_struct)
-        return _Near(inner, jnp.zeros_like(y), jnp.zeros((y.size, y.size)))
+        del f_info_struct
+        return _Near(jnp.zeros_like(y), jnp.zeros_like(y), jnp.zeros((y.size, y.size)))
 
     def query(self, y: Any, f_info: Any, state: Any) -> Any:
+        del y, state
         matrix = f_info.jac.as_matrix()
-        inner = self.damped.query(y, f_info, state.inner)
-        return _Near(inner, f_info.residual @ matrix, matrix.T @ matrix)
+        return _Near(f_info.residual @ matrix, *jnp.linalg.eigh(matrix.T @ matrix))
 
     def step(self, step_size: Any, state: Any) -> Any:
         trust = jnp.minimum(step_size, FIRST_STEP)
-        move, result = self.damped.step(trust, state.inner)
+        move = state.damped(trust)
         cut, short = _cut(move, trust), _shortened(move, trust)
-        return jnp.where(state.promise(cut) > state.promise(short), cut, short), result
+        better = jnp.where(state.promise(cut) > state.promise(short), cut, short)
+        return better, optx.RESULTS.successful
 
 
 def _prepare(
@@ -187,9 +193,8 @@ class LevenbergMarquardt(AbstractOptimiser):
     rtol: float = 1e-4
 
     def _method(self) -> optx.LevenbergMarquardt:
-        linear = lx.Normal(lx.Cholesky())
-        method = optx.LevenbergMarquardt(rtol=self.rtol, atol=self.rtol, linear_solver=linear)
-        return eqx.tree_at(lambda m: m.descent, method, _BoundedDescent(method.descent))
+        method = optx.LevenbergMarquardt(rtol=self.rtol, atol=self.rtol)
+        return eqx.tree_at(lambda m: m.descent, method, _BoundedDescent())
 
     def begin(self, objective: Objective, parameters: Parameters) -> Any:
         """State before the first step, at the given parameters [1]."""
