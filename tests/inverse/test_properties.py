@@ -11,7 +11,12 @@ import pytest
 from thermo.errors import InputError
 from thermo.fields import QUANTITIES
 from thermo.inverse import Uniform
-from thermo.inverse._properties import Stated, check_unknowns, properties
+from thermo.inverse._properties import (
+    Stated,
+    check_unknowns,
+    diffusivity_quantile,
+    properties,
+)
 from thermo.observe import Scene
 
 from .objectives import MESH
@@ -119,3 +124,15 @@ def test_a_property_that_nobody_states_must_be_unknown(name: str, scene: Scene) 
     other = {"conductivity": "diffusivity"}.get(name, f"scaled_{name}")
     check_unknowns((name,), without)
     check_unknowns((other,), without)
+
+
+def test_the_diffusivity_of_a_body_is_that_of_its_cells() -> None:
+    cells, faces = len(MESH.cells), len(MESH.faces)
+    least = np.linspace(1.0, 3.0, cells)
+    values = {"conductivity": (2 * least, np.ones(faces))}
+    values["volumetric_heat_capacity"] = (1e6 * least[::-1], np.ones(faces))
+    expected = np.quantile(2e-6 * least / least[::-1], [0.05, 0.5])
+    found = [diffusivity_quantile(STATED, values, cells, share) for share in (0.05, 0.5)]
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+    stated = STATED.of("diffusivity")
+    assert diffusivity_quantile(STATED, {}, cells, 0.3) == pytest.approx(stated, rel=1e-12)

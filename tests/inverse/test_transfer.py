@@ -13,8 +13,8 @@ from thermo.errors import InputError
 from thermo.fields import Boundary, two_material_values
 from thermo.inverse import Estimate, RecoveredField, load_estimate, save_estimate
 from thermo.inverse._properties import Stated
-from thermo.inverse._transfer import SAME, carry_over, medians
-from thermo.mesh import Mesh, box_mesh, face_areas, promote
+from thermo.inverse._transfer import SAME, carry_over, check_same_object, medians
+from thermo.mesh import Mesh, Surface, box_mesh, face_areas, promote
 
 SIZE = (0.04, 0.02, 0.02)
 COARSE = box_mesh(SIZE, (8, 4, 4))
@@ -53,7 +53,7 @@ def two_valued(mesh: Mesh) -> RecoveredField:
 
 def test_the_same_mesh_keeps_every_bit() -> None:
     fields = {"conductivity": noise(COARSE, 0), "convection": noise(COARSE, 1)}
-    got = carry_over(fields, COARSE, COARSE, "estimate")
+    got = carry_over(fields, COARSE, COARSE)
     assert set(got) == set(fields)
     for name, field in fields.items():
         np.testing.assert_array_equal(got[name][0], field.cells)
@@ -62,15 +62,15 @@ def test_the_same_mesh_keeps_every_bit() -> None:
 
 def test_quadratic_cells_take_what_linear_ones_take() -> None:
     fields = {"conductivity": noise(COARSE, 2)}
-    plain = carry_over(fields, COARSE, FINE, "estimate")["conductivity"]
-    curved = carry_over(fields, COARSE, promote(FINE), "estimate")["conductivity"]
+    plain = carry_over(fields, COARSE, FINE)["conductivity"]
+    curved = carry_over(fields, COARSE, promote(FINE))["conductivity"]
     for mine, theirs in zip(plain, curved, strict=True):
         np.testing.assert_array_equal(mine, theirs)
 
 
 @pytest.mark.parametrize(("old", "new"), [(COARSE, FINE), (FINE, COARSE)])
 def test_two_values_stay_what_they_are_away_from_their_boundary(old: Mesh, new: Mesh) -> None:
-    got = carry_over({"conductivity": two_valued(old)}, old, new, "estimate")["conductivity"]
+    got = carry_over({"conductivity": two_valued(old)}, old, new)["conductivity"]
     for values, centres in zip(got, (cell_centres(new), face_centres(new)), strict=True):
         away = centres[:, 0] - PLANE
         far = np.abs(away) > SIZE[0] / 8
@@ -81,7 +81,7 @@ def test_two_values_stay_what_they_are_away_from_their_boundary(old: Mesh, new: 
 
 @pytest.mark.parametrize(("old", "new"), [(COARSE, FINE), (FINE, COARSE)])
 def test_the_nearest_cell_and_face_give_the_value(old: Mesh, new: Mesh) -> None:
-    cells, faces = carry_over({"convection": numbered(old)}, old, new, "estimate")["convection"]
+    cells, faces = carry_over({"convection": numbered(old)}, old, new)["convection"]
     apart = np.linalg.norm(cell_centres(new)[:, None] - cell_centres(old)[None], axis=2)
     taken = apart[np.arange(len(cells)), cells.astype(int)]
     np.testing.assert_allclose(taken, apart.min(1), rtol=1e-9)
@@ -98,8 +98,12 @@ def test_the_rim_of_a_thin_plate_does_not_take_the_values_of_its_side() -> None:
     coarse, fine = (box_mesh((0.04, 0.04, 0.002), (n, n, 1)) for n in (5, 20))
     faces = np.where(coarse.normals[:, 2] > 0.9, 1.0, 0.0)
     field = RecoveredField("convection", "W/m2/K", np.zeros(len(coarse.cells)), faces)
-    found = carry_over({"convection": field}, coarse, fine, "estimate")["convection"][1]
+    found = carry_over({"convection": field}, coarse, fine)["convection"][1]
     np.testing.assert_array_equal(found, np.where(fine.normals[:, 2] > 0.9, 1.0, 0.0))
+
+
+def surface_of(mesh: Mesh) -> Surface:
+    return Surface(mesh.nodes, mesh.faces)
 
 
 def other_size() -> Mesh:
@@ -116,7 +120,7 @@ def other_place() -> Mesh:
 )
 def test_another_object_is_refused_with_the_numbers(new: Mesh, apart: str, limit: str) -> None:
     with pytest.raises(InputError) as caught:
-        carry_over({"conductivity": two_valued(COARSE)}, COARSE, new, "fits/bracket")
+        check_same_object(COARSE, surface_of(new), "fits/bracket")
     error = caught.value
     assert error.where == "fits/bracket"
     assert str(error.value).endswith(f" {apart}")
@@ -134,11 +138,12 @@ def test_only_what_lies_further_apart_than_the_limit_is_refused(
     assume(abs(apart - limit) > 1e-9)
     fields = {"conductivity": two_valued(old)}
     if apart < limit:
-        got = carry_over(fields, old, new, "estimate")["conductivity"]
+        check_same_object(old, surface_of(new), "estimate")
+        got = carry_over(fields, old, new)["conductivity"]
         np.testing.assert_array_equal(got[0], fields["conductivity"].cells)
     else:
         with pytest.raises(InputError, match="another size or place"):
-            carry_over(fields, old, new, "estimate")
+            check_same_object(old, surface_of(new), "estimate")
 
 
 def plate() -> tuple[Mesh, np.ndarray]:
@@ -173,7 +178,7 @@ def test_two_materials_are_laid_out_anew_and_survive_their_file(tmp_path: Path) 
     boundary = Boundary(points, points[:, 0] - 0.017, np.array([1.0, 4.0]))
     cells, faces = two_material_values(boundary, old)
     field = RecoveredField("conductivity", "W/m/K", cells, faces, boundary)
-    found = carry_over({"conductivity": field}, old, new, "estimate")["conductivity"]
+    found = carry_over({"conductivity": field}, old, new)["conductivity"]
     for mine, theirs in zip(found, two_material_values(boundary, new), strict=True):
         np.testing.assert_array_equal(mine, theirs)
     # A plane boundary stays plane; six half edges from it the value is that of the material.

@@ -7,7 +7,6 @@ import time
 from pathlib import Path
 from typing import Literal
 
-import jax.numpy as jnp
 import numpy as np
 
 from thermo.fields import AbstractField, TwoMaterialField
@@ -18,7 +17,7 @@ from thermo.inverse._least_squares import LevenbergMarquardt
 from thermo.inverse._minimise import OnStep, minimise
 from thermo.inverse._objective import with_fields
 from thermo.inverse._optimiser import AbstractOptimiser
-from thermo.inverse._properties import Stated, check_unknowns
+from thermo.inverse._properties import check_unknowns, diffusivity_quantile
 from thermo.inverse._run_fit import run_fits
 from thermo.inverse._selection import select_fit_runs, select_unknowns
 from thermo.inverse._stepping import Stepping
@@ -94,7 +93,8 @@ def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: flo
         on_step=on_step,
     )
     found = with_fields(fit.objective, fit.parameters)
-    diffusivity = _median_diffusivity(ready.stated, found)
+    values = {name: (item.cell_values(), item.face_values()) for name, item in found.items()}
+    diffusivity = diffusivity_quantile(ready.stated, values, len(ready.mesh.cells), 0.5)
     resolved = resolution(ready.mesh, diffusivity=diffusivity, duration=duration(task.scene))
     met = run_fits(fit, task.runs, ready.grids)
     return Estimate(
@@ -133,14 +133,6 @@ def _unexplained(task: Task, met: dict[str, RunFit]) -> list[str]:
         for name, ratio in ratios.items()
         if ratio > UNEXPLAINED
     ]
-
-
-def _median_diffusivity(stated: Stated, found: dict[str, AbstractField]) -> float:
-    body = {name: float(jnp.median(item.cell_values())) for name, item in found.items()}
-    if "diffusivity" in body:
-        return body["diffusivity"]
-    conductivity = body.get("conductivity", stated.conductivity)
-    return conductivity / body.get("volumetric_heat_capacity", stated.capacity)
 
 
 def _recovered(found: dict[str, AbstractField]) -> dict[str, RecoveredField]:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from thermo.errors import InputError
 from thermo.inverse._body import Meshing, check_values, make_mesh, state, surface_of
 from thermo.inverse._estimate import Estimate, RecoveredField, load_estimate
 from thermo.inverse._forward import Prediction, forward
-from thermo.inverse._properties import Stated, check_unknowns, properties
+from thermo.inverse._properties import (
+    Stated,
+    check_unknowns,
+    diffusivity_quantile,
+    properties,
+)
 from thermo.inverse._selection import select_runs
-from thermo.inverse._transfer import carry_over, medians
+from thermo.inverse._transfer import carry_over, check_same_object, medians
 from thermo.mesh import Mesh
 from thermo.observe import Scene, read_scene
 
@@ -33,17 +36,6 @@ def _load(folder: Path) -> tuple[Mesh, Stated, dict[str, RecoveredField]]:
     return mesh, stated, fields
 
 
-def _diffusivity(stated: Stated, fields: dict[str, RecoveredField]) -> float:
-    """Least diffusivity [m2/s] of the body, for heat that goes the least deep."""
-    least = {name: float(np.quantile(item.cells, 0.05)) for name, item in fields.items()}
-    if "diffusivity" in least:
-        return least["diffusivity"]
-    capacity = stated.capacity
-    if "volumetric_heat_capacity" in fields:
-        capacity = float(np.quantile(fields["volumetric_heat_capacity"].cells, 0.95))
-    return least.get("conductivity", stated.conductivity) / capacity
-
-
 def predict(
     data: Scene | str | Path,
     estimate: Estimate | str | Path,
@@ -60,7 +52,8 @@ def predict(
     - `estimate`: the result of `invert`, or the folder that `thermo invert` left.
     - `runs`: names; all that are held out by default.
     - `meshing`: of the body, by default finer than a fit's: cells and faces take the values of the
-      nearest ones of the fit. `tolerance`: error of a time step [K].
+      nearest ones of the fit, and two materials are laid out anew. `tolerance`: error of a time
+      step [K].
 
     Returns a prediction for each run, with scores of the spatial field and of its median over the
     surface [K]. Raises `InputError` for unknown runs, for an estimate that
@@ -76,10 +69,15 @@ def predict(
         where, parts = str(estimate), _load(Path(estimate))
     old, stated, fields = parts
     meshing = Meshing(max_nodes=PREDICTION_NODES) if meshing is None else meshing
-    mesh = make_mesh(scene, surface_of(scene), _diffusivity(stated, fields), meshing)
+    surface = surface_of(scene)
+    check_same_object(old, surface, where)
+    # Heat goes the least deep where the diffusivity is least; the mesh must show that.
+    found = {name: (item.cells, item.faces) for name, item in fields.items()}
+    least = diffusivity_quantile(stated, found, len(old.cells), 0.05)
+    mesh = make_mesh(scene, surface, least, meshing)
     sizes = (len(mesh.cells), len(mesh.faces))
     bodies = {
-        "spatial": properties(stated, carry_over(fields, old, mesh, where), *sizes),
+        "spatial": properties(stated, carry_over(fields, old, mesh), *sizes),
         "median": properties(stated, medians(fields, old, mesh), *sizes),
     }
     order = meshing.order

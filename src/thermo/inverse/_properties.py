@@ -126,3 +126,14 @@ def properties(stated: Stated, values: Mapping[str, Values], cells: int, faces: 
     if "scaled_emissivity" in values:
         emissivity = outside("scaled_emissivity", 0.0) * stated.capacity
     return Properties(conductivity, capacity, convection, emissivity)
+
+
+def diffusivity_quantile(
+    stated: Stated, values: Mapping[str, Values], cells: int, quantile: float
+) -> float:
+    """The diffusivity [m2/s] that a share `quantile` of the cells is at or below.
+
+    Arguments as for `properties`.
+    """
+    body = properties(stated, values, cells, 0)
+    return float(jnp.quantile(body.conductivity / body.capacity, quantile))
