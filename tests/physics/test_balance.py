@@ -21,6 +21,7 @@ from thermo.physics import (
     uniform_steps,
 )
 from thermo.physics._balance import equivalent
+from thermo.physics._outlook import without_past
 from thermo.physics.effects import (
     Contact,
     Convection,
@@ -82,13 +83,13 @@ def step_and_inflow(model: Model, scheme: AbstractIntegrator, old, start, size):
     balance = assemble(model)
     last = start + size * (1 - 1e-9)
     if isinstance(scheme, Sdirk2):
-        nothing = jnp.zeros((scheme.solves(), len(old)))
-        new, rise, *_ = _stages(scheme, balance, old, start, size, TIGHT, nothing)
+        before = without_past(scheme.solves(), len(old))
+        new, rise, *_ = _stages(scheme, balance, old, start, size, TIGHT, *before)
         first = heat_rate(balance, old + rise, start + GAMMA * size)
         flow = (1 - GAMMA) * first + GAMMA * heat_rate(balance, new, last)
     else:
-        nothing = jnp.zeros((scheme.solves(), len(old)))
-        new, *_ = scheme.step(balance, old, start, size, TIGHT, nothing)
+        before = without_past(scheme.solves(), len(old))
+        new, *_ = scheme.step(balance, old, start, size, TIGHT, *before)
         flow = heat_rate(balance, new, last)
     change = equivalent(balance, new) - equivalent(balance, old)
     return new, stored_heat(balance, change).sum(), size * flow.sum()

@@ -10,6 +10,7 @@ import pytest
 from thermo.mesh import ball_mesh, promote
 from thermo.physics import Discretisation, discretise
 from thermo.physics._edge_product import difference_product, edge_product
+from thermo.physics._pattern import expand
 
 RNG = np.random.default_rng(5)
 
@@ -39,10 +40,17 @@ def test_products_are_those_of_the_dense_matrix(space: Discretisation) -> None:
     off = dense(space, np.zeros_like(diagonal), edges)
     difference = difference_product(space.pattern, edges, vector)
     np.testing.assert_allclose(difference, off @ vector - off.sum(1) * vector, rtol=0, atol=1e-12)
+    # The same from the padded rows.
+    rows = expand(space.pattern, edges)
+    by_rows = edge_product(space.pattern, diagonal, edges, vector, rows)
+    np.testing.assert_allclose(by_rows, product, rtol=0, atol=1e-13)
+    by_rows = difference_product(space.pattern, edges, vector, rows)
+    np.testing.assert_allclose(by_rows, difference, rtol=0, atol=1e-13)
 
 
+@pytest.mark.parametrize("padded", [False, True])
 @pytest.mark.parametrize("differences", [False, True])
-def test_transposes_and_tangents(space: Discretisation, differences: bool) -> None:
+def test_transposes_and_tangents(space: Discretisation, differences: bool, padded: bool) -> None:
     diagonal, edges, vector = draw(space)
     way = (
         jnp.asarray(RNG.standard_normal(len(edges))),
@@ -50,9 +58,10 @@ def test_transposes_and_tangents(space: Discretisation, differences: bool) -> No
     )
 
     def product(edges: jax.Array, vector: jax.Array) -> jax.Array:
+        rows = expand(space.pattern, jax.lax.stop_gradient(edges)) if padded else None
         if differences:
-            return difference_product(space.pattern, edges, vector)
-        return edge_product(space.pattern, diagonal, edges, vector)
+            return difference_product(space.pattern, edges, vector, rows)
+        return edge_product(space.pattern, diagonal, edges, vector, rows)
 
     value, tangent = jax.jvp(product, (edges, vector), way)
     # Bilinear: the difference quotient is exact up to the product of both changes.
@@ -67,13 +76,15 @@ def test_transposes_and_tangents(space: Discretisation, differences: bool) -> No
     )
 
 
-def test_batches_equal_single_products(space: Discretisation) -> None:
+@pytest.mark.parametrize("padded", [False, True])
+def test_batches_equal_single_products(space: Discretisation, padded: bool) -> None:
     _, edges, vector = draw(space)
     many_edges = jnp.asarray(RNG.standard_normal((2, 3, len(edges))))
     many_vectors = jnp.asarray(RNG.standard_normal((3, len(vector))))
 
     def product(edges: jax.Array, vector: jax.Array) -> jax.Array:
-        return difference_product(space.pattern, edges, vector)
+        rows = expand(space.pattern, edges) if padded else None
+        return difference_product(space.pattern, edges, vector, rows)
 
     over_both = jax.vmap(product)(many_edges[0], many_vectors)
     over_edges = jax.vmap(product, in_axes=(0, None))(many_edges[0], vector)

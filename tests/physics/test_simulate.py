@@ -5,7 +5,6 @@ from __future__ import annotations
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-import lineax as lx
 import numpy as np
 import pytest
 
@@ -93,10 +92,10 @@ def test_conjugate_gradient_meets_its_tolerance(rtol: float) -> None:
     heat = jnp.asarray(np.random.default_rng(0).normal(size=(3, count)))
 
     def solve(rhs: jax.Array) -> jax.Array:
-        return lx.linear_solve(operator, rhs, ConjugateGradient(rtol=rtol)).value
+        return ConjugateGradient(rtol=rtol).solve(operator, rhs, jnp.zeros_like(rhs))[0]
 
     exact = np.linalg.solve(np.asarray(operator.as_matrix()), np.asarray(heat).T).T
-    together = np.asarray(jax.jit(jax.vmap(solve))(heat))
+    together = np.asarray(jax.jit(solve)(heat.T)).T
     for batch, right in zip(together, exact, strict=True):
         rest = np.asarray(operator.as_matrix()) @ (batch - right)
         scale = np.asarray(operator.as_matrix()) @ right
@@ -104,8 +103,3 @@ def test_conjugate_gradient_meets_its_tolerance(rtol: float) -> None:
         assert (rest**2 @ weight) <= (1.01 * rtol) ** 2 * (scale**2 @ weight) + 1e-28
     alone = np.asarray(jax.jit(solve)(heat[0]))
     np.testing.assert_allclose(alone, together[0], atol=10 * rtol * np.abs(exact[0]).max())
-
-
-def test_conjugate_gradient_refuses_other_operators() -> None:
-    with pytest.raises(TypeError, match="SparseOperator"):
-        ConjugateGradient().init(lx.MatrixLinearOperator(jnp.eye(2)), {})

@@ -8,7 +8,7 @@ from thermo.physics._discretisation import Discretisation, discretise
 from thermo.physics._model import Model
 from thermo.physics._readout import ReadOut, every_node
 from thermo.physics._simulate import Solution, solve_heat
-from thermo.physics._sparse_operator import SparseOperator
+from thermo.physics._step_matrix import StepMatrix
 from thermo.physics._time_grid import TimeGrid, every_step, plan_steps, uniform_steps
 
 __all__ = [
@@ -20,7 +20,7 @@ __all__ = [
     "ReadOut",
     "RecomputeSegments",
     "Solution",
-    "SparseOperator",
+    "StepMatrix",
     "StoreSteps",
     "TimeGrid",
     "assemble",

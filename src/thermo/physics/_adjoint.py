@@ -12,7 +12,7 @@ import jax
 
 def _keep_solutions(primitive: Any, *_: Any, **__: Any) -> bool:
     # The reverse pass then never repeats a linear solve.
-    return primitive.name == "linear_solve"
+    return primitive.name == "warm_solve"
 
 
 class AbstractAdjoint(eqx.Module):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import final
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -19,9 +20,9 @@ from thermo.physics._discretisation import (
 )
 from thermo.physics._edge_product import difference_product, edge_product
 from thermo.physics._model import Model
-from thermo.physics._pattern import expand, rewrite_surface
+from thermo.physics._pattern import Rows, add_surface, expand, scale_rows
 from thermo.physics._shape import reference_mass
-from thermo.physics._sparse_operator import SparseOperator, frozen
+from thermo.physics._step_matrix import StepMatrix
 from thermo.physics.effects._effect import Time
 
 
@@ -30,7 +31,7 @@ class Balance(eqx.Module):
     """The model with its constant matrices assembled, once for each simulation.
 
     - `stiffness` (edges,) [W/K]; `stored` and `stored_edges`: mass matrix [J/K].
-    - `stiffness_rows`, `stored_rows`: the same, padded for the solver.
+    - `stiffness_rows`, `stored_rows`: the same, padded for products; without derivatives.
     """
 
     model: Model
@@ -38,8 +39,8 @@ class Balance(eqx.Module):
     stiffness_diagonal: Float[Array, " nodes"]
     stored: Float[Array, " nodes"]
     stored_edges: Float[Array, " edges"]
-    stiffness_rows: Float[Array, " entries"]
-    stored_rows: Float[Array, " entries"]
+    stiffness_rows: Rows
+    stored_rows: Rows
 
 
 def assemble(model: Model) -> Balance:
@@ -53,8 +54,8 @@ def assemble(model: Model) -> Balance:
         stiffness_diagonal=diagonal_of(space, stiffness),
         stored=stored,
         stored_edges=stored_edges,
-        stiffness_rows=frozen(expand(space.pattern, stiffness)),
-        stored_rows=frozen(expand(space.pattern, stored_edges)),
+        stiffness_rows=expand(space.pattern, jax.lax.stop_gradient(stiffness)),
+        stored_rows=expand(space.pattern, jax.lax.stop_gradient(stored_edges)),
     )
 
 
@@ -73,28 +74,69 @@ def _stiffness(balance: Balance, temperature: Float[Array, " nodes"]) -> Float[A
     return stiffness_edges(model.space, model.conductivity * factor.reshape(shape))
 
 
+@final
+class Rise(eqx.Module):
+    """An increment whose heat is taken from a linearisation, as in `step_matrix`.
+
+    - `value`: (nodes,) [K]; `about`: temperatures of the linearisation, (nodes,) [K].
+    """
+
+    value: Float[Array, " nodes"]
+    about: Float[Array, " nodes"]
+
+
 def heat_rate(
-    balance: Balance, temperature: Float[Array, " nodes"], time: Time
+    balance: Balance,
+    temperature: Float[Array, " nodes"],
+    time: Time,
+    rise: Rise | None = None,
 ) -> Float[Array, " nodes"]:
     """Heat that flows into each node [W] at nodal temperatures [K] and a time [s].
 
-    F_i = integral of q_in N_i over the surface + integral of q N_i - K_ij T_j.
+    F_i = integral of q_in N_i over the surface + integral of q N_i - K_ij T_j; with a rise also
+    what that changes, linearised.
     """
     model, space = balance.model, balance.model.space
-    stiffness = _stiffness(balance, temperature)
-    rate = -difference_product(space.pattern, stiffness, temperature)
+    rate = -_conducted(balance, temperature, rise)
     if model.surface:
         at_faces = on_faces(space, temperature)
         flux = sum(effect.flux(at_faces, time) for effect in model.surface)
+        slope = None if rise is None else _slope(model, on_faces(space, rise.about))
+        if rise is not None and slope is not None:
+            flux = flux - slope * on_faces(space, rise.value)
         rate = rate + surface_load(space, jnp.asarray(flux))
     for effect in model.volume:
         rate = rate + volume_load(space, effect.power(time))
     return rate
 
 
+def _conducted(
+    balance: Balance, temperature: Float[Array, " nodes"], rise: Rise | None
+) -> Float[Array, " nodes"]:
+    """K T [W], with that of a rise."""
+    pattern = balance.model.space.pattern
+    if balance.model.conductivity_law is None:
+        whole = temperature if rise is None else temperature + rise.value
+        return difference_product(pattern, balance.stiffness, whole, balance.stiffness_rows)
+    flow = difference_product(pattern, _stiffness(balance, temperature), temperature)
+    if rise is None:
+        return flow
+    return flow + difference_product(pattern, _stiffness(balance, rise.about), rise.value)
+
+
+def _slope(
+    model: Model, at_faces: Float[Array, "faces points"]
+) -> Float[Array, "faces points"] | None:
+    """Coefficient of all effects together [W/m2/K]; None where no flux depends on temperature."""
+    slopes = [effect.slope(at_faces) for effect in model.surface]
+    known = [slope for slope in slopes if slope is not None]
+    return jnp.asarray(sum(known)) if known else None
+
+
 def stored_heat(balance: Balance, rise: Float[Array, " nodes"]) -> Float[Array, " nodes"]:
     """M times a rise of (equivalent) temperature [K]: the heat stored at each node [J]."""
-    return edge_product(balance.model.space.pattern, balance.stored, balance.stored_edges, rise)
+    pattern = balance.model.space.pattern
+    return edge_product(pattern, balance.stored, balance.stored_edges, rise, balance.stored_rows)
 
 
 def equivalent(balance: Balance, temperature: Float[Array, " nodes"]) -> Float[Array, " nodes"]:
@@ -103,38 +145,63 @@ def equivalent(balance: Balance, temperature: Float[Array, " nodes"]) -> Float[A
     return temperature if law is None else law.integral(temperature)
 
 
-def step_matrix(
-    balance: Balance, temperature: Float[Array, " nodes"], weight: Time
-) -> SparseOperator:
+def missing_heat(
+    balance: Balance,
+    temperature: Float[Array, " nodes"],
+    base: Float[Array, " nodes"] | None,
+    time: Time,
+    weight: Time,
+    rise: Rise | None = None,
+) -> Float[Array, " nodes"]:
+    """Heat [J] that a stage still lacks at each node: weight F(T, t) - M (G(T) - base).
+
+    With a rise also less what `step_matrix` times that rise takes up, so that nothing is missing
+    where the rise solves the stage.
+
+    Arguments:
+
+    - `temperature`: T, (nodes,) [K]; `base`: equivalent temperature at the left, (nodes,) [K], or
+      None for G(T).
+    - `time`: of the stage [s]; `weight`: [s].
+    """
+    model = balance.model
+    heat = weight * heat_rate(balance, temperature, time, rise)
+    above = None if base is None else equivalent(balance, temperature) - base
+    if rise is not None and model.capacity_law is not None:
+        factor = model.capacity_law.factor(_cell_mean(model, rise.about))
+        content = mass(model.space, model.capacity * factor)
+        heat = heat - edge_product(model.space.pattern, *content, rise.value)
+    elif rise is not None:
+        above = rise.value if above is None else above + rise.value
+    if above is not None:
+        heat = heat - stored_heat(balance, above)
+    return heat if model.prescribed is None else heat * model.prescribed.free()
+
+
+def step_matrix(balance: Balance, temperature: Float[Array, " nodes"], weight: Time) -> StepMatrix:
     """M + weight J [J/K], with J = -dF/dT linearised at nodal temperatures [K]; weight in [s]."""
-    model, space = balance.model, balance.model.space
-    diagonal, edges = balance.stored, balance.stored_edges
-    stiffness, stiffness_diagonal = balance.stiffness, balance.stiffness_diagonal
-    constant = model.conductivity_law is None and model.capacity_law is None
+    balance, temperature, weight = jax.lax.stop_gradient((balance, temperature, weight))
+    model, space, pattern = balance.model, balance.model.space, balance.model.space.pattern
+    diagonal, rows = balance.stored, balance.stored_rows
+    stiffness_diagonal, stiffness_rows = balance.stiffness_diagonal, balance.stiffness_rows
     if model.capacity_law is not None:
         factor = model.capacity_law.factor(_cell_mean(model, temperature))
         diagonal, edges = mass(space, model.capacity * factor)
+        rows = expand(pattern, edges)
     if model.conductivity_law is not None:
         stiffness = _stiffness(balance, temperature)
         stiffness_diagonal = diagonal_of(space, stiffness)
+        stiffness_rows = expand(pattern, stiffness)
     diagonal = diagonal + weight * stiffness_diagonal
-    edges = edges + weight * stiffness
-    if model.surface:
-        at_faces = on_faces(space, temperature)
-        slopes = [effect.slope(at_faces) for effect in model.surface]
-        known = [slope for slope in slopes if slope is not None]
-        if known:
-            on_diagonal, on_edges = surface_mass(space, jnp.asarray(sum(known)))
-            diagonal = diagonal + weight * on_diagonal
-            edges = edges + weight * on_edges
+    rows = jax.tree.map(lambda m, k: m + weight * k, rows, stiffness_rows)
+    slope = _slope(model, on_faces(space, temperature)) if model.surface else None
+    if slope is not None:
+        on_diagonal, on_edges = surface_mass(space, weight * slope)
+        outer = diagonal[pattern.inner :] + on_diagonal
+        diagonal = jnp.concatenate([diagonal[: pattern.inner], outer])
+        rows = add_surface(pattern, rows, on_edges)
     if model.prescribed is not None:
         free = model.prescribed.free()
-        pattern = space.pattern
-        edges = edges * free[pattern.first] * free[pattern.second]
+        rows = scale_rows(pattern, rows, free)
         diagonal = jnp.where(free > 0, diagonal, 1.0)
-    if constant and model.prescribed is None:
-        rows = balance.stored_rows + frozen(jnp.asarray(weight)) * balance.stiffness_rows
-        rows = rewrite_surface(space.pattern, rows, frozen(edges))
-    else:
-        rows = expand(space.pattern, frozen(edges))
-    return SparseOperator(space.pattern, diagonal, edges, frozen(rows))
+    return StepMatrix(pattern, diagonal, rows)

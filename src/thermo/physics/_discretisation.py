@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import final
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
@@ -12,6 +13,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from thermo.mesh import Mesh, cell_volumes, face_areas
+from thermo.physics._gather_sum import GatherSum, gather_sum, gather_to
 from thermo.physics._pattern import Pattern, cell_pairs, find_pairs, make_pattern, row_lengths
 from thermo.physics._quadrature import triangle_rule
 from thermo.physics._shape import face_shape, reference_mass, reference_stiffness
@@ -26,7 +28,9 @@ class Discretisation(eqx.Module):
 
     - `gradient`: V g_a . g_b of the barycentric gradients, (cells, 4, 3) holding V^(1/2) g [m^1/2].
     - `volume`: (cells,) [m3].
-    - `cell_edge`, `face_edge`: the edge of each node pair of a cell, of a face.
+    - `cell_edge`: the edge of each node pair of a cell.
+    - `to_nodes`: from the corners of all faces, corner by corner, to the nodes of the surface.
+    - `to_edges`: from the node pairs of all faces, pair by pair, to the edges of the surface.
     - `face_shape`: (points, corners) [1]; `face_weight`: (faces, points) [m2].
     - `face_point`: quadrature points on the faces, (faces, points, 3) [m].
     """
@@ -36,7 +40,8 @@ class Discretisation(eqx.Module):
     gradient: Float[Array | np.ndarray, "cells 4 3"]
     volume: Float[Array | np.ndarray, " cells"]
     cell_edge: Int[Array | np.ndarray, "cells pairs"]
-    face_edge: Int[Array | np.ndarray, "faces face_pairs"]
+    to_nodes: GatherSum
+    to_edges: GatherSum
     face_shape: Float[Array | np.ndarray, "points corners"]
     face_weight: Float[Array | np.ndarray, "faces points"]
     face_point: Float[Array | np.ndarray, "faces points 3"]
@@ -54,7 +59,9 @@ def _renumber(mesh: Mesh) -> Mesh:
     graph = csr_matrix((np.ones(len(both)), (both[:, 0], both[:, 1])), shape=(count, count))
     place = np.empty(count, np.int64)
     place[reverse_cuthill_mckee(graph, symmetric_mode=True)] = np.arange(count)
-    old = np.lexsort((place, -row_lengths(pairs, count)))
+    surface = np.zeros(count, bool)
+    surface[mesh.faces] = True
+    old = np.lexsort((place, -row_lengths(pairs, count), surface))
     new = np.empty(count, np.int32)
     new[old] = np.arange(count, dtype=np.int32)
     return Mesh(
@@ -85,15 +92,21 @@ def discretise(mesh: Mesh) -> Discretisation:
     count = len(mesh.nodes)
     pairs, cell_edge = cell_pairs(mesh.cells, count)
     face_edge = find_pairs(pairs, mesh.faces, count)
+    surface_edges, edge_number = np.unique(face_edge, return_inverse=True)
+    surface = np.zeros(count, bool)
+    surface[mesh.faces] = True
+    pattern = make_pattern(pairs, surface_edges, surface)
+    corners = mesh.faces.T.ravel() - pattern.inner
     volume = cell_volumes(mesh)
     points, weights = triangle_rule(mesh.order)
     return Discretisation(
         mesh=mesh,
-        pattern=make_pattern(pairs, np.unique(face_edge), count),
+        pattern=pattern,
         gradient=_barycentric_gradients(mesh) * np.sqrt(volume)[:, None, None],
         volume=volume,
         cell_edge=cell_edge,
-        face_edge=face_edge,
+        to_nodes=gather_to(corners, count - pattern.inner),
+        to_edges=gather_to(edge_number.reshape(face_edge.shape).T.ravel(), len(surface_edges)),
         face_shape=face_shape(points, mesh.order),
         face_weight=face_areas(mesh)[:, None] * weights,
         face_point=np.einsum("qa,fax->fqx", points, mesh.nodes[mesh.faces[:, :3]]),
@@ -147,28 +160,47 @@ def mass(
 
 def surface_mass(
     space: Discretisation, weight: Float[Array, "faces points"]
-) -> tuple[Float[Array, " nodes"], Float[Array, " edges"]]:
-    """Surface matrix [W/K] as diagonal and edges, integral of w N_i N_j over the boundary.
+) -> tuple[Float[Array, " surface_nodes"], Float[Array, " surface_edges"]]:
+    """Surface matrix [W/K], integral of w N_i N_j over the boundary.
+
+    Its diagonal on the nodes of the surface, which come last, and its values on the pattern's
+    edges of the surface.
 
     Arguments:
 
     - `weight`: coefficient at the face points, (faces, points) [W/m2/K].
     """
     shape = space.face_shape
-    upper = np.triu_indices(shape.shape[1], 1)
-    scaled = weight * space.face_weight
-    diagonal = jnp.zeros(len(space.mesh.nodes)).at[space.mesh.faces].add(scaled @ shape**2)
-    edges = jnp.zeros(space.pattern.first.shape[0])
-    terms = scaled @ (shape[:, upper[0]] * shape[:, upper[1]])
-    return diagonal, edges.at[space.face_edge].add(terms)
+    # Otherwise each sum below would work out the coefficient for itself.
+    scaled = jax.lax.optimization_barrier((weight * space.face_weight).T)
+    pairs = np.transpose(np.triu_indices(shape.shape[1], 1))
+    diagonal = [_weighted(scaled, shape[:, a] ** 2) for a in range(shape.shape[1])]
+    edges = [_weighted(scaled, shape[:, a] * shape[:, b]) for a, b in pairs]
+    return (
+        gather_sum(space.to_nodes, jnp.concatenate(diagonal)),
+        gather_sum(space.to_edges, jnp.concatenate(edges)),
+    )
+
+
+def _weighted(
+    values: Float[Array, "points faces"], weight: Float[Array | np.ndarray, " points"]
+) -> Float[Array, " faces"]:
+    """Sum over the points, written out: a product of such thin matrices is slow."""
+    total = weight[0] * values[0]
+    for factor, row in zip(weight[1:], values[1:], strict=True):
+        total = total + factor * row
+    return total
 
 
 def surface_load(
     space: Discretisation, flux: Float[Array, "faces points"]
 ) -> Float[Array, " nodes"]:
     """Nodal heat rate [W] of a flux into the body given at the face points [W/m2]."""
-    terms = (flux * space.face_weight) @ space.face_shape
-    return jnp.zeros(len(space.mesh.nodes)).at[space.mesh.faces].add(terms)
+    shape = space.face_shape
+    scaled = jax.lax.optimization_barrier((flux * space.face_weight).T)
+    terms = [_weighted(scaled, shape[:, a]) for a in range(shape.shape[1])]
+    outer = gather_sum(space.to_nodes, jnp.concatenate(terms))
+    return jnp.concatenate([jnp.zeros(space.pattern.inner, outer.dtype), outer])
 
 
 def volume_load(space: Discretisation, density: Float[Array, " cells"]) -> Float[Array, " nodes"]:
@@ -182,7 +214,10 @@ def on_faces(
     space: Discretisation, temperature: Float[Array, " nodes"]
 ) -> Float[Array, "faces points"]:
     """Temperature [K] at the quadrature points of the boundary faces."""
-    corners = temperature[space.mesh.faces]
+    shape = space.face_shape
+    outer = temperature[space.pattern.inner :]
+    corners = gather_sum(space.to_nodes.transpose(), outer).reshape(shape.shape[1], -1)
     # From differences, so that a constant comes back to the last bit.
-    first = corners[:, :1]
-    return first + (corners - first) @ space.face_shape.T
+    rise = corners[1:] - corners[0]
+    points = [corners[0] + _weighted(rise, weight[1:]) for weight in shape]
+    return jnp.stack(points, axis=1)

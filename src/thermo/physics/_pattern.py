@@ -1,54 +1,65 @@
 """The fixed sparsity of a mesh: its edges, and rows grouped by length for fast products.
 
-A symmetric matrix on the mesh is stored twice. `diagonal` and `edges` (one value for each pair of
-nodes that share a cell) are what derivatives flow through. `rows` holds the same values row by
-row, padded to equal lengths in a few groups, and is what the linear solver multiplies with:
-gathers in short runs are faster than a scatter, and few of them compile soon.
+A symmetric matrix on the mesh is stored twice. `edges` (one value for each pair of nodes that
+share a cell) is what derivatives flow through. `rows` holds the same values row by row, padded to
+equal lengths in a few groups, and is what products run over: gathers in groups of equal length,
+written out one after the other, are faster than a scatter and than rows of any length.
+
+Nodes inside come first, those of the surface last. A row of the surface is held in two blocks, its
+edges on the surface apart, so that radiation changes one block and leaves the rest alone.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, final
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int, Shaped
+from jaxtyping import Array, Bool, Float, Int, Shaped
 
-RUN = 8
-"""Gathers [1] that are written out one after the other; the rest of a group loops over runs."""
+RUN = 16
+"""Gathers [1] that are written out one after the other; longer rows loop over runs of them."""
 
 GATHER_COST = 1000.0
 """Padded entries [1] that are worth one gather less to compile."""
 
-Runs = tuple[
-    Shaped[Array | np.ndarray, "_loops run _rows"], Shaped[Array | np.ndarray, "_rest _rows"]
+Block = tuple[
+    Shaped[Array | np.ndarray, "_loops run _rows *_batch"],
+    Shaped[Array | np.ndarray, "_rest _rows *_batch"],
 ]
+"""Numbers of equally long rows, one column of the block after the other: in runs, and the rest."""
+
+Rows = tuple[Block, ...]
+"""The values of a matrix, padded, block by block."""
 
 
 @final
 class Pattern(eqx.Module):
-    """Connectivity of the unknowns; nodes must be ordered by falling row length.
+    """Connectivity of the unknowns; nodes inside, then those of the surface, by falling length.
 
     Arguments:
 
     - `first`, `second`: the two nodes of every edge, (edges,), first < second.
-    - `columns`: for each group the node numbers in runs, (loops, RUN, rows), and what is left
-      over, (rest, rows); padded with the row itself.
-    - `source`: for each padded entry the edge that it holds, (entries,); `edges` means zero.
-    - `hit`, `hit_edge`: the entries that hold an edge of the surface, and that edge, so that a
-      change on the surface rewrites only these.
-    - `bounds`: first and last row of each group.
+    - `columns`: for each block the node that an entry multiplies, padded with the row itself.
+    - `source`: for each entry the edge that it holds; `edges` means zero.
+    - `surface_edge`: the edges that both of whose nodes share a face, (surface_edges,).
+    - `surface_source`: for each block of such edges their place in `surface_edge`.
+    - `bounds`: first and last row of each block, and whether it holds edges of the surface;
+      blocks of the same rows follow each other.
+    - `inner`: number of nodes inside [1].
     """
 
     first: Int[Array | np.ndarray, " edges"]
     second: Int[Array | np.ndarray, " edges"]
-    columns: tuple[Runs, ...]
-    source: Int[Array | np.ndarray, " entries"]
-    hit: Int[Array | np.ndarray, " hits"]
-    hit_edge: Int[Array | np.ndarray, " hits"]
-    bounds: tuple[tuple[int, int], ...] = eqx.field(static=True)
+    columns: tuple[Block, ...]
+    source: tuple[Block, ...]
+    surface_edge: Int[Array | np.ndarray, " surface_edges"]
+    surface_source: tuple[Block, ...]
+    bounds: tuple[tuple[int, int, bool], ...] = eqx.field(static=True)
+    inner: int = eqx.field(static=True)
 
 
 def row_lengths(pairs: Int[np.ndarray, "edges 2"], count: int) -> Int[np.ndarray, " nodes"]:
@@ -98,111 +109,150 @@ def _cut(length: Int[np.ndarray, " nodes"]) -> Int[np.ndarray, " cuts"]:
     return before[cuts[::-1]]
 
 
+def _block(
+    low: int,
+    high: int,
+    entries: tuple[np.ndarray, np.ndarray, np.ndarray],
+    padding: int,
+) -> tuple[Block, Block]:
+    """Columns and sources of the rows from `low` to `high`, of entries sorted by row."""
+    row, column, edge = entries
+    length = np.bincount(row - low, minlength=high - low)
+    width = int(length.max(initial=0))
+    place = np.arange(len(row)) - (np.cumsum(length) - length)[row - low]
+    numbers = np.tile(np.arange(low, high, dtype=np.int32), (width, 1))
+    numbers[place, row - low] = column
+    held = np.full((width, high - low), padding, np.int32)
+    held[place, row - low] = edge
+    return _in_runs(numbers), _in_runs(held)
+
+
+def _in_runs(rows: Int[np.ndarray, "width rows"]) -> Block:
+    width, size = rows.shape
+    # At least one is left over: a sum begins with it.
+    loops = (width - 1) // RUN if width >= 2 * RUN else 0
+    return rows[: loops * RUN].reshape(loops, RUN, size), rows[loops * RUN :]
+
+
 def make_pattern(
-    pairs: Int[np.ndarray, "edges 2"], surface_edges: Int[np.ndarray, " some"], count: int
+    pairs: Int[np.ndarray, "edges 2"],
+    surface_edges: Int[np.ndarray, " some"],
+    surface: Bool[np.ndarray, " nodes"],
 ) -> Pattern:
     """Group the rows of a matrix with the given edges.
 
     Arguments:
 
     - `pairs`: edges of the matrix graph, (edges, 2), sorted by first then second node.
-    - `surface_edges`: the edges that lie on the boundary.
-    - `count`: number of nodes [1].
+    - `surface_edges`: the edges that lie in a face of the boundary.
+    - `surface`: which nodes do; they come last.
     """
-    edges = len(pairs)
+    edges, count = len(pairs), len(surface)
+    inner = count - int(surface.sum())
     row = np.concatenate([pairs[:, 0], pairs[:, 1]])
-    column = np.concatenate([pairs[:, 1], pairs[:, 0]])
-    edge = np.tile(np.arange(edges), 2)
     order = np.argsort(row, kind="stable")
-    row, column, edge = row[order], column[order], edge[order]
+    row, column = row[order], np.concatenate([pairs[:, 1], pairs[:, 0]])[order]
+    edge = np.tile(np.arange(edges), 2)[order]
     length = np.bincount(row, minlength=count)
-    start = np.concatenate([[0], np.cumsum(length)])
-    cuts = _cut(length)
-    bounds, columns, sources = [], [], []
-    for low, high in zip(cuts[:-1], cuts[1:], strict=True):
-        width = int(length[low:high].max())
-        piece = slice(int(start[low]), int(start[high]))
-        place = np.arange(int(start[low]), int(start[high])) - start[row[piece]]
-        numbers = np.tile(np.arange(low, high), (width, 1))
-        numbers[place, row[piece] - low] = column[piece]
-        held = np.full((width, high - low), edges)
-        held[place, row[piece] - low] = edge[piece]
-        bounds.append((int(low), int(high)))
-        columns.append(_cut_runs(numbers.astype(np.int32)))
-        sources.append(held.ravel())
-    source = np.concatenate(sources).astype(np.int32)
-    hit = np.flatnonzero(np.isin(source, surface_edges)).astype(np.int32)
+    outside = np.isin(edge, surface_edges)
+    cuts = np.unique(np.concatenate([_cut(length[:inner]), inner + _cut(length[inner:])]))
+    number = np.full(edges + 1, len(surface_edges))
+    number[surface_edges] = np.arange(len(surface_edges))
+    bounds, columns, sources, of_surface = [], [], [], []
+    for low, high in zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True):
+        within = (row >= low) & (row < high)
+        for flag in (False, True):
+            part = within & (outside == flag)
+            if not part.any() and (flag or high > inner):
+                continue
+            block, held = _block(low, high, (row[part], column[part], edge[part]), edges)
+            bounds.append((low, high, flag))
+            columns.append(block)
+            sources.append(held)
+            if flag:
+                of_surface.append(jax.tree.map(lambda a: number[a].astype(np.int32), held))
     return Pattern(
         first=pairs[:, 0],
         second=pairs[:, 1],
         columns=tuple(columns),
-        source=source,
-        hit=hit,
-        hit_edge=source[hit],
+        source=tuple(sources),
+        surface_edge=surface_edges.astype(np.int32),
+        surface_source=tuple(of_surface),
         bounds=tuple(bounds),
+        inner=inner,
     )
 
 
-def expand(pattern: Pattern, edges: Float[Array, " edges"]) -> Float[Array, " entries"]:
+def _padded(values: Float[Array, "values *batch"]) -> Float[Array, "more *batch"]:
+    return jnp.concatenate([values, jnp.zeros((1, *values.shape[1:]), values.dtype)])
+
+
+def expand(pattern: Pattern, edges: Float[Array, " edges"]) -> Rows:
     """Padded rows of a matrix from its edge values (same unit)."""
-    return jnp.concatenate([edges, jnp.zeros(1, edges.dtype)])[pattern.source]
+    values = _padded(edges)
+    return jax.tree.map(lambda place: values[place], pattern.source)
 
 
-def rewrite_surface(
-    pattern: Pattern, rows: Float[Array, " entries"], edges: Float[Array, " edges"]
-) -> Float[Array, " entries"]:
-    """Padded rows with the surface's entries taken anew from the edge values (same unit)."""
-    return rows.at[pattern.hit].set(edges[pattern.hit_edge], unique_indices=True)
+def add_surface(pattern: Pattern, rows: Rows, extra: Float[Array, " surface_edges"]) -> Rows:
+    """Padded rows with more on the edges of the surface (same unit)."""
+    values = _padded(extra)
+    changed, sources = [], iter(pattern.surface_source)
+    for block, (_, _, flag) in zip(rows, pattern.bounds, strict=True):
+        more = next(sources) if flag else None
+        changed.append(
+            block if more is None else jax.tree.map(lambda a, i: a + values[i], block, more)
+        )
+    return tuple(changed)
 
 
-def _cut_runs(
-    rows: Shaped[np.ndarray, "width rows"] | Shaped[Array, "width rows"],
-) -> tuple[Any, Any]:
-    """The runs of a group, (loops, RUN, rows), and what is left over, (rest, rows)."""
-    width, size = rows.shape
-    loops = width // RUN if width >= 2 * RUN else 0
-    return rows[: loops * RUN].reshape(loops, RUN, size), rows[loops * RUN :]
-
-
-def split_rows(pattern: Pattern, rows: Shaped[Array, " entries"]) -> tuple[Runs, ...]:
-    """The padded rows of each group, cut into runs: done once, before a solver's loop."""
-    pieces, offset = [], 0
-    for (low, high), (runs, rest) in zip(pattern.bounds, pattern.columns, strict=True):
-        size = (runs.shape[0] * RUN + rest.shape[0]) * (high - low)
-        pieces.append(_cut_runs(rows[offset : offset + size].reshape(-1, high - low)))
-        offset += size
-    return tuple(pieces)
-
-
-def _group_product(
-    values: Runs, columns: Runs, vector: Float[Array, "nodes *batch"], total: Array
-) -> Float[Array, "rows *batch"]:
-    """Add one group's gathers to `total`: its runs in a loop, then what is left over."""
-    shape = (-1, *(1,) * (vector.ndim - 1))
-
-    def add(total: Array, piece: tuple[Array, Array]) -> tuple[Array, None]:
-        for weight, column in zip(*piece, strict=True):
-            total = total + weight.reshape(shape) * vector[column]
-        return total, None
-
-    runs, rest = zip(
-        jax.tree.map(jnp.asarray, values), jax.tree.map(jnp.asarray, columns), strict=True
-    )
-    if len(runs[0]):
-        total, _ = jax.lax.scan(add, total, runs)
-    return add(total, rest)[0]
+def scale_rows(pattern: Pattern, rows: Rows, factor: Float[Array, " nodes"]) -> Rows:
+    """Padded rows with each entry times the factors [1] of its row and of its column."""
+    changed = []
+    for (low, high, _), columns, block in zip(pattern.bounds, pattern.columns, rows, strict=True):
+        own = factor[low:high]
+        changed.append(jax.tree.map(lambda a, j, own=own: a * own * factor[j], block, columns))
+    return tuple(changed)
 
 
 def row_product(
     pattern: Pattern,
-    diagonal: Float[Array, " nodes"],
-    pieces: tuple[Runs, ...],
+    diagonal: Float[Array, " nodes"] | None,
+    rows: Rows,
     vector: Float[Array, "nodes *batch"],
-) -> Float[Array, "nodes *batch"]:
-    """Matrix times one vector, or times a batch of them laid out along the last axis."""
+    *,
+    differences: bool = False,
+    weight: Callable[[Array], Array] = lambda held: held,
+) -> Float[Array, "nodes *wide"]:
+    """Matrix times one vector, or times a batch of them laid out along the last axis.
+
+    Arguments:
+
+    - `rows`: what is held for each entry, of which `weight` makes the entry: itself, by default.
+    - `differences`: whether an entry multiplies the difference to the row's own value.
+    """
     ones = (1,) * (vector.ndim - 1)
-    groups = []
-    for (low, high), columns, values in zip(pattern.bounds, pattern.columns, pieces, strict=True):
-        total = diagonal[low:high].reshape(-1, *ones) * vector[low:high]
-        groups.append(_group_product(values, columns, vector, total))
-    return jnp.concatenate(groups)
+    groups: dict[int, Any] = {}
+    for (low, high, _), columns, values in zip(pattern.bounds, pattern.columns, rows, strict=True):
+        own = vector[low:high]
+
+        def term(piece: tuple[Array, Array], own: Array = own) -> Array:
+            held, column = piece
+            entry = weight(held)
+            entry = entry.reshape(-1, *ones) if entry.ndim == 1 else entry
+            return entry * (vector[column] - own if differences else vector[column])
+
+        def add(total: Array, pieces: Any, term: Any = term) -> tuple[Array, None]:
+            for piece in zip(*pieces, strict=True):
+                total = total + term(piece)
+            return total, None
+
+        (runs, rest), (places, more) = (jax.tree.map(jnp.asarray, two) for two in (values, columns))
+        total = groups.get(low)
+        if total is None and diagonal is not None:
+            total = diagonal[low:high].reshape(-1, *ones) * own
+        elif total is None:
+            total, rest, more = term((rest[0], more[0])), rest[1:], more[1:]
+        if len(runs):
+            total, _ = jax.lax.scan(add, total, (runs, places))
+        groups[low] = add(total, (rest, more))[0]
+    return jnp.concatenate(list(groups.values()))

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import Any, final
 
 import equinox as eqx
 import jax.numpy as jnp
-import lineax as lx
 import numpy as np
 from jaxtyping import Array, Bool, Float
 
@@ -14,11 +13,12 @@ from thermo.physics._adjoint import AbstractAdjoint, StoreSteps
 from thermo.physics._balance import assemble
 from thermo.physics._conjugate_gradient import ConjugateGradient
 from thermo.physics._model import Model
+from thermo.physics._outlook import Outlook, outlooks, without_past
 from thermo.physics._readout import ReadOut, every_node
 from thermo.physics._time_grid import TimeGrid
 from thermo.physics.integrators import AbstractIntegrator
 
-State = tuple[Float[Array, " nodes"], Float[Array, "solves nodes"]]
+State = tuple[Float[Array, " nodes"], Float[Array, "solves depth nodes"]]
 
 
 @final
@@ -65,14 +65,16 @@ def solve_heat(
     adjoint = StoreSteps() if adjoint is None else adjoint
     balance = assemble(model)
 
-    def step(state: State, interval: tuple[Array, Array]) -> tuple[State, tuple[Array, Array]]:
+    def step(state: State, interval: tuple[Array, Array, Outlook]) -> tuple[State, Any]:
         old, past = state
-        new, past, result = integrator.step(balance, old, *interval, solver, past)
-        return (new, past), (readout.read(new), result == lx.RESULTS.successful)
+        start, size, outlook = interval
+        new, past, fine = integrator.step(balance, old, start, size, solver, past, outlook)
+        return (new, past), (readout.read(new), fine)
 
-    steps = (jnp.asarray(grid.start), jnp.asarray(grid.size))
-    begun = (initial, jnp.zeros((integrator.solves(), len(initial))))
-    (final_state, _), (samples, fine) = adjoint.run(step, begun, steps)
+    start, size = jnp.asarray(grid.start), jnp.asarray(grid.size)
+    past, _ = without_past(integrator.solves(), len(initial))
+    steps = (start, size, outlooks(start, size))
+    (final_state, _), (samples, fine) = adjoint.run(step, (initial, past), steps)
     history = jnp.concatenate([readout.read(initial)[None], samples])
     return Solution(
         time=grid.frame_time,

@@ -9,12 +9,12 @@ from jaxtyping import Array, Float
 
 from thermo.physics._balance import Balance
 from thermo.physics._conjugate_gradient import ConjugateGradient
+from thermo.physics._outlook import Outlook
 from thermo.physics.effects._effect import Time
 from thermo.physics.integrators._integrator import (
     AbstractIntegrator,
     Past,
     Step,
-    rates,
     solve_stage,
     within,
 )
@@ -49,10 +49,8 @@ class BackwardEuler(AbstractIntegrator):
         size: Time,
         solver: ConjugateGradient,
         past: Past,
+        outlook: Outlook,
     ) -> Step:
-        """One step of `size` [s] after `start` [s], from the rates of the step before [K/s]."""
+        """One step of `size` [s] after `start` [s], from the rates of the steps before [K/s]."""
         end = within(start, size, 1.0)
-        new, found, result = solve_stage(
-            balance, temperature, None, end, size, None, solver, past * size
-        )
-        return new, rates(found, size), result
+        return solve_stage(balance, temperature, None, end, size, None, None, solver, past, outlook)

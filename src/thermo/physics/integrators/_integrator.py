@@ -8,19 +8,20 @@ from typing import Any
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-import lineax as lx
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
-from thermo.physics._balance import Balance, equivalent, heat_rate, step_matrix, stored_heat
+from thermo.physics._balance import Balance, Rise, equivalent, missing_heat, step_matrix
 from thermo.physics._conjugate_gradient import ConjugateGradient
-from thermo.physics._sparse_operator import SparseOperator
+from thermo.physics._outlook import Outlook
+from thermo.physics._step_matrix import StepMatrix
+from thermo.physics._warm_solve import warm_solve
 from thermo.physics.effects._effect import Time
 
-Past = Float[Array, "solves nodes"]
-"""Rates [K/s] that the linear solves of a step found: where those of the next one begin."""
+Past = Float[Array, "solves depth nodes"]
+"""Rates [K/s] that the linear solves of the last steps found: where those of the next begin."""
 
-Step = tuple[Float[Array, " nodes"], Past, Any]
-"""Nodal temperatures [K] after a step, what the next one begins from, and the result."""
+Step = tuple[Float[Array, " nodes"], Past, Bool[Array, ""]]
+"""Nodal temperatures [K] after a step, what the next one begins from, and whether it converged."""
 
 
 class AbstractIntegrator(eqx.Module):
@@ -43,8 +44,9 @@ class AbstractIntegrator(eqx.Module):
         size: Time,
         solver: ConjugateGradient,
         past: Past,
+        outlook: Outlook,
     ) -> Step:
-        """One step of `size` [s] after `start` [s], from the rates of the step before [K/s]."""
+        """One step of `size` [s] after `start` [s], from the rates of the steps before [K/s]."""
 
 
 def within(start: Time, size: Time, share: float) -> Time:
@@ -53,45 +55,34 @@ def within(start: Time, size: Time, share: float) -> Time:
 
 
 @eqx.filter_custom_jvp
-def _solve_from(
-    matrix: SparseOperator, heat: Float[Array, " nodes"], guess: Any, solver: ConjugateGradient
-) -> tuple[Float[Array, " nodes"], Any]:
-    solution = lx.linear_solve(matrix, heat, solver, options={"y0": guess}, throw=False)
-    return solution.value, solution.result
-
-
-@_solve_from.def_jvp
-def _(primals: Any, tangents: Any) -> Any:
-    # The derivative of a solution does not know where its iterations began, and solves for
-    # tangents begin from nothing: their tolerance is relative to themselves.
-    matrix, heat, guess, solver = primals
-    value, result = _solve_from(matrix, heat, guess, solver)
-    change, more, *_ = tangents
-    if any(leaf is not None for leaf in jax.tree.leaves(change)):
-        _, product = eqx.filter_jvp(lambda a: a.mv(value), (matrix,), (change,))
-        more = -product if more is None else more - product
-    if more is None:
-        more = jnp.zeros_like(heat)
-    tangent = lx.linear_solve(matrix, more, solver, throw=False).value
-    return (value, result), (tangent, jax.tree.map(lambda _: None, result))
-
-
-def solve_increment(
-    matrix: SparseOperator,
-    heat: Float[Array, " nodes"],
+def _increment(
+    stage: Any,
+    about: Float[Array, " nodes"],
+    past: Float[Array, "depth nodes"],
+    matrix: StepMatrix,
     solver: ConjugateGradient,
-    guess: Float[Array, " nodes"],
-) -> tuple[Float[Array, " nodes"], Any]:
-    """Increment [K] that takes up the given heat [J], from a guess of it [K]; and the result."""
-    return _solve_from(matrix, heat, jax.lax.stop_gradient(guess), solver)
+    outlook: Outlook,
+) -> Any:
+    del about
+    return warm_solve(matrix, missing_heat(*stage), past, solver, outlook)
 
 
-def rates(increments: Float[Array, "solves nodes"], size: Time) -> Past:
-    """Increments [K] of a step of `size` [s] as rates [K/s]; steps of no duration have none."""
-    size = jnp.asarray(size)
-    return jax.lax.stop_gradient(
-        jnp.where(size > 0, increments / jnp.where(size > 0, size, 1.0), 0.0)
-    )
+@_increment.def_jvp
+def _(primals: Any, tangents: Any) -> Any:
+    stage, about, past, matrix, solver, outlook = primals
+    value, past, fine = _increment(stage, about, past, matrix, solver, outlook)
+    change, turned, before, *_ = tangents
+    lacking = jnp.zeros_like(value)
+    if any(leaf is not None for leaf in jax.tree.leaves((change, turned))):
+        # What the solved stage lacks when all but its rise changes is what the rise must meet.
+        # Matrix and heat are differentiated in one, which takes half the products.
+        held = jax.lax.stop_gradient(value)
+        _, lacking = eqx.filter_jvp(
+            lambda s, at: missing_heat(*s, Rise(held, at)), (stage, about), (change, turned)
+        )
+    before = jnp.zeros_like(past) if before is None else before
+    tangent, after, _ = warm_solve(matrix, lacking, before, solver, outlook)
+    return (value, past, fine), (tangent, after, None)
 
 
 def solve_stage(
@@ -100,10 +91,12 @@ def solve_stage(
     base: Float[Array, " nodes"] | None,
     time: Time,
     weight: Time,
-    matrix: SparseOperator | None,
+    about: Float[Array, " nodes"] | None,
+    matrix: StepMatrix | None,
     solver: ConjugateGradient,
-    begin: Float[Array, "iterations nodes"],
-) -> tuple[Float[Array, " nodes"], Float[Array, "iterations nodes"], Any]:
+    past: Float[Array, "iterations depth nodes"],
+    outlook: Outlook,
+) -> tuple[Float[Array, " nodes"], Float[Array, "iterations depth nodes"], Bool[Array, ""]]:
     """Solve M (G(Y) - base) = weight F(Y, t) for Y [K] by Newton's method from `guess`.
 
     Arguments:
@@ -111,30 +104,26 @@ def solve_stage(
     - `guess`: first iterate, (nodes,) [K].
     - `base`: equivalent temperature at the left, (nodes,) [K]; None means G(guess).
     - `time`: of the stage [s]; `weight`: [s].
-    - `matrix`: M + weight J for the first iteration where it is at hand [J/K].
-    - `begin`: guess of the increment of each Newton iteration [K].
+    - `matrix`: M + weight J for the first iteration where it is at hand [J/K], and `about`: the
+      temperatures that it was linearised at, (nodes,) [K].
+    - `past`: rates that each iteration found in the steps before [K/s].
 
-    Returns Y [K], the increments [K] and the result.
+    Returns Y [K], the rates for the next step and whether every solve converged.
     """
     prescribed = balance.model.prescribed
     current = guess
     if prescribed is not None:
         base = equivalent(balance, guess) if base is None else base
         current = prescribed.impose(guess, time)
-    result = lx.RESULTS.successful
-    increments = []
-    for count in range(len(begin)):
-        heat = weight * heat_rate(balance, current, time)
+    converged, found = jnp.asarray(True), []
+    for count in range(len(past)):
         if count > 0 and base is None:
             base = equivalent(balance, guess)
-        if base is not None:
-            heat = heat - stored_heat(balance, equivalent(balance, current) - base)
-        if prescribed is not None:
-            heat = heat * prescribed.free()
-        if matrix is None or count > 0:
-            matrix = step_matrix(balance, current, weight)
-        increment, outcome = solve_increment(matrix, heat, solver, begin[count])
-        increments.append(increment)
-        current = current + increment
-        result = lx.RESULTS.where(outcome == lx.RESULTS.successful, result, outcome)
-    return current, jnp.stack(increments), result
+        if matrix is None or about is None or count > 0:
+            about, matrix = current, step_matrix(balance, current, weight)
+        stage = (balance, current, base, time, weight)
+        rise, rates, fine = _increment(stage, about, past[count], matrix, solver, outlook)
+        found.append(rates)
+        current = current + rise
+        converged = converged & fine
+    return current, jnp.stack(found), converged

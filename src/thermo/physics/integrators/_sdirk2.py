@@ -7,8 +7,7 @@ from typing import Any, final
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-import lineax as lx
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from thermo.physics._balance import (
     Balance,
@@ -18,13 +17,12 @@ from thermo.physics._balance import (
     stored_heat,
 )
 from thermo.physics._conjugate_gradient import ConjugateGradient
+from thermo.physics._outlook import Outlook, without_past
 from thermo.physics.effects._effect import Time
 from thermo.physics.integrators._integrator import (
     AbstractIntegrator,
     Past,
     Step,
-    rates,
-    solve_increment,
     solve_stage,
     within,
 )
@@ -64,10 +62,11 @@ class Sdirk2(AbstractIntegrator):
         size: Time,
         solver: ConjugateGradient,
         past: Past,
+        outlook: Outlook,
     ) -> Step:
-        """One step of `size` [s] after `start` [s], from the rates of the step before [K/s]."""
-        end, _, found, result = _stages(self, balance, temperature, start, size, solver, past)
-        return end, found, result
+        """One step of `size` [s] after `start` [s], from the rates of the steps before [K/s]."""
+        end, _, past, fine = _stages(self, balance, temperature, start, size, solver, past, outlook)
+        return end, past, fine
 
 
 def _stages(
@@ -78,28 +77,28 @@ def _stages(
     size: Time,
     solver: ConjugateGradient,
     past: Past,
-) -> tuple[Float[Array, " nodes"], Float[Array, " nodes"], Past, lx.RESULTS]:
+    outlook: Outlook,
+) -> tuple[Float[Array, " nodes"], Float[Array, " nodes"], Past, Bool[Array, ""]]:
     weight = GAMMA * size
     matrix = step_matrix(balance, temperature, weight)
     old = equivalent(balance, temperature)
 
     # A scan, because a compiler takes as long again for a stage that is written out twice.
     def stage(carry: Any, inputs: Any) -> Any:
-        guess, base, result = carry
-        time, begin = inputs
-        value, found, outcome = solve_stage(
-            balance, guess, base, time, weight, matrix, solver, begin
+        guess, base, converged = carry
+        time, before = inputs
+        value, found, fine = solve_stage(
+            balance, guess, base, time, weight, temperature, matrix, solver, before, outlook
         )
         rise = equivalent(balance, value) - old
         guess = temperature + (value - temperature) / GAMMA
-        result = lx.RESULTS.where(outcome == lx.RESULTS.successful, result, outcome)
-        return (guess, old + (1 - GAMMA) / GAMMA * rise, result), (value, rise, found)
+        return (guess, old + (1 - GAMMA) / GAMMA * rise, converged & fine), (value, rise, found)
 
     times = jnp.stack([within(start, size, GAMMA), within(start, size, 1.0)])
-    first = (temperature, old, lx.RESULTS.successful)
-    begin = (past * size).reshape(2, scheme.iterations, -1)
-    (*_, result), (values, rises, found) = jax.lax.scan(stage, first, (times, begin))
-    return values[1], rises[0], rates(found.reshape(past.shape), size), result
+    first = (temperature, old, jnp.asarray(True))
+    each = past.reshape(2, scheme.iterations, *past.shape[1:])
+    (*_, converged), (values, rises, found) = jax.lax.scan(stage, first, (times, each))
+    return values[1], rises[0], found.reshape(past.shape), converged
 
 
 def step_with_error(
@@ -118,8 +117,8 @@ def step_with_error(
 
     Source: Hosea and Shampine, Appl. Numer. Math. 20 (1996) 21, section 4, for the filter.
     """
-    nothing = jnp.zeros((scheme.solves(), len(temperature)))
-    last, rise, *_ = _stages(scheme, balance, temperature, start, size, solver, nothing)
+    before = without_past(scheme.solves(), len(temperature))
+    last, rise, *_ = _stages(scheme, balance, temperature, start, size, solver, *before)
     middle = 1 / (6 * GAMMA * (1 - GAMMA))
     late = 0.5 - middle * GAMMA
     early = 1 - middle - late
@@ -133,5 +132,5 @@ def step_with_error(
     if balance.model.prescribed is not None:
         defect = defect * balance.model.prescribed.free()
     matrix = step_matrix(balance, temperature, GAMMA * size)
-    error, _ = solve_increment(matrix, defect, solver, nothing[0])
+    error, *_ = solver.solve(matrix, defect, jnp.zeros_like(defect))
     return last, jnp.abs(error)

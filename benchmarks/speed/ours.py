@@ -1,0 +1,97 @@
+"""ThermoField on the problems of the comparison."""
+
+from __future__ import annotations
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from problem import CONVECTION, EMISSIVITY, SIZE, START, SURROUNDINGS, Problem
+
+from thermo.physics import (
+    AbstractAdjoint,
+    ConjugateGradient,
+    Model,
+    ReadOut,
+    RecomputeSegments,
+    StoreSteps,
+    discretise,
+    solve_heat,
+    uniform_steps,
+)
+from thermo.physics.effects import Convection, Radiation
+from thermo.physics.integrators import BackwardEuler
+
+COLUMNS = 32
+
+
+class Ours:
+    """One problem, discretised.
+
+    `adjoint`: `store`, or `segments` of the square root of the steps.
+    """
+
+    def __init__(self, problem: Problem, rtol: float, adjoint: str = "store") -> None:
+        self.problem, self.rtol = problem, rtol
+        self.space = discretise(problem.mesh)
+        faces, cells = len(self.space.mesh.faces), len(self.space.mesh.cells)
+        surface = (
+            Convection(jnp.full(faces, CONVECTION), SURROUNDINGS),
+            Radiation(jnp.full(faces, EMISSIVITY), SURROUNDINGS),
+        )
+        capacity = jnp.full(cells, problem.capacity)
+        self.model = Model(self.space, jnp.asarray(problem.conductivity), capacity, surface)
+        nodes = np.unique(self.space.mesh.faces)
+        self.places = self.space.mesh.nodes[nodes]
+        self.readout = ReadOut(nodes[:, None].astype(np.int32), np.ones((len(nodes), 1)))
+        times = np.arange(1, problem.steps + 1) * SIZE
+        self.grid = uniform_steps(times, SIZE)
+        length = max(int(np.sqrt(problem.steps)), 1)
+        self.adjoint: AbstractAdjoint = (
+            RecomputeSegments(length) if adjoint == "segments" else StoreSteps()
+        )
+
+    def _run(self, model: Model, conductivity: jax.Array) -> jax.Array:
+        changed = eqx.tree_at(lambda m: m.conductivity, model, conductivity)
+        return solve_heat(
+            changed,
+            jnp.full(len(self.space.mesh.nodes), START),
+            self.grid,
+            integrator=BackwardEuler(),
+            readout=self.readout,
+            solver=ConjugateGradient(rtol=self.rtol),
+            adjoint=self.adjoint,
+        ).temperature
+
+    def forward(self):  # noqa: ANN201
+        """A compiled run: from the model and the conductivity to surface temperatures [K]."""
+        run = eqx.filter_jit(self._run)
+        return lambda conductivity: run(self.model, conductivity)
+
+    def gradient(self, target: jax.Array):  # noqa: ANN201
+        """A compiled gradient of the mean squared misfit by each cell's conductivity."""
+
+        @eqx.filter_jit
+        def slope(model: Model, conductivity: jax.Array, target: jax.Array) -> jax.Array:
+            def misfit(k: jax.Array) -> jax.Array:
+                return jnp.mean((self._run(model, k) - target) ** 2)
+
+            return jax.grad(misfit)(conductivity)
+
+        return lambda conductivity: slope(self.model, conductivity, target)
+
+    def jacobian(self):  # noqa: ANN201
+        """A compiled Jacobian of surface temperatures by COLUMNS patterns of conductivity."""
+        centre = self.problem.mesh.nodes[self.problem.mesh.cells[:, :4]].mean(1)
+        make = np.random.default_rng(0)
+        waves = centre @ make.normal(size=(3, COLUMNS)) * 60
+        ways = jnp.asarray(self.problem.conductivity[:, None] * np.sin(waves)).T
+
+        @eqx.filter_jit
+        def columns(model: Model, conductivity: jax.Array, ways: jax.Array) -> jax.Array:
+            def push(way: jax.Array) -> jax.Array:
+                return jax.jvp(lambda k: self._run(model, k), (conductivity,), (way,))[1]
+
+            return jax.vmap(push, out_axes=-1)(ways)
+
+        return lambda conductivity: columns(self.model, conductivity, ways)

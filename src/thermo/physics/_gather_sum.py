@@ -1,0 +1,105 @@
+"""Sums over fixed groups of values, and their transpose, both by gathers.
+
+Scattered additions run entry by entry; a gather of up to a dozen values for each result runs over
+many results at once. The map and its transpose are both stored, so that a derivative in either
+direction is such a gather again, and a batch of tangents is laid out with its directions side by
+side.
+"""
+
+from __future__ import annotations
+
+from typing import Any, final
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.core import ShapedArray
+from jax.extend.core import Primitive
+from jax.interpreters import ad, batching, mlir
+from jaxtyping import Array, Float, Int
+
+
+@final
+class GatherSum(eqx.Module):
+    """y_i = sum over j in group i of x_j.
+
+    - `groups`: for each result the values to add, (most, results), padded with the number of
+      values; `back`: the same for the transpose, (often, values).
+    """
+
+    groups: Int[Array | np.ndarray, "most results"]
+    back: Int[Array | np.ndarray, "often values"]
+
+    def transpose(self) -> GatherSum:
+        """The map from results to values, x_j = sum of the y_i that took it."""
+        return GatherSum(self.back, self.groups)
+
+
+def _padded_groups(group: np.ndarray, count: int) -> Int[np.ndarray, "most groups"]:
+    """Members of each group from the group of each member; negative ones belong to none."""
+    member = np.flatnonzero(group >= 0)
+    member = member[np.argsort(group[member], kind="stable")]
+    size = np.bincount(group[member], minlength=count)
+    place = np.arange(len(member)) - np.repeat(np.cumsum(size) - size, size)
+    table = np.full((int(size.max(initial=0)), count), len(group), np.int32)
+    table[place, group[member]] = member
+    return table
+
+
+def gather_to(target: Int[np.ndarray, " values"], count: int) -> GatherSum:
+    """The map that adds each value to the result with the given number; negative to none."""
+    back = np.where(target < 0, count, target).astype(np.int32)[None]
+    return GatherSum(_padded_groups(target, count), back)
+
+
+def _apply(values: Array, groups: Array, back: Array) -> Array:
+    del back
+    padded = jnp.concatenate([values, jnp.zeros((1, *values.shape[1:]), values.dtype)])
+    total = padded[groups[0]]
+    for member in groups[1:]:
+        total = total + padded[member]
+    return total
+
+
+_gather_p: Any = Primitive("gather_sum")
+_gather_p.def_impl(jax.jit(_apply))
+
+
+@_gather_p.def_abstract_eval
+def _abstract(values: Any, groups: Any, back: Any) -> Any:
+    del back
+    return ShapedArray((groups.shape[1], *values.shape[1:]), values.dtype)
+
+
+def _jvp(primals: Any, tangents: Any) -> Any:
+    values, groups, back = primals
+    out = _gather_p.bind(values, groups, back)
+    zero: Any = ad.Zero
+    if isinstance(tangents[0], ad.Zero):
+        return out, zero.from_primal_value(out)
+    return out, _gather_p.bind(tangents[0], groups, back)
+
+
+def _transpose(given: Any, values: Any, groups: Any, back: Any) -> Any:
+    del values
+    return [_gather_p.bind(given, back, groups), None, None]
+
+
+def _batch(arguments: Any, axes: Any) -> Any:
+    values, groups, back = arguments
+    if axes[1] is not None or axes[2] is not None:
+        raise NotImplementedError("a batch shares one mesh")
+    moved = jnp.moveaxis(values, axes[0], -1)
+    return _gather_p.bind(moved, groups, back), moved.ndim - 1
+
+
+ad.primitive_jvps[_gather_p] = _jvp
+ad.primitive_transposes[_gather_p] = _transpose
+batching.primitive_batchers[_gather_p] = _batch
+mlir.register_lowering(_gather_p, mlir.lower_fun(_apply, multiple_results=False))
+
+
+def gather_sum(which: GatherSum, values: Float[Array, " values"]) -> Float[Array, " results"]:
+    """Apply the map; the unit stays."""
+    return _gather_p.bind(values, jnp.asarray(which.groups), jnp.asarray(which.back))
