@@ -32,6 +32,7 @@ class Balance(eqx.Module):
 
     - `stiffness` (edges,) [W/K]; `stored` and `stored_edges`: mass matrix [J/K].
     - `stiffness_rows`, `stored_rows`: the same, padded for products; without derivatives.
+    - `constant`: M + weight K where all steps have that weight, or None.
     """
 
     model: Model
@@ -41,6 +42,17 @@ class Balance(eqx.Module):
     stored_edges: Float[Array, " edges"]
     stiffness_rows: Rows
     stored_rows: Rows
+    constant: StepMatrix | None = None
+
+
+def with_weight(balance: Balance, weight: Time) -> Balance:
+    """A balance whose steps all have one weight [s]: what their matrices share is made once."""
+    model = balance.model
+    if model.conductivity_law is not None or model.capacity_law is not None:
+        return balance
+    plain = _plain_matrix(balance, balance.stored, weight)
+    constant = jax.lax.stop_gradient(StepMatrix(model.space.pattern, *plain))
+    return eqx.tree_at(lambda b: b.constant, balance, constant, is_leaf=lambda x: x is None)
 
 
 def assemble(model: Model) -> Balance:
@@ -182,18 +194,10 @@ def step_matrix(balance: Balance, temperature: Float[Array, " nodes"], weight: T
     """M + weight J [J/K], with J = -dF/dT linearised at nodal temperatures [K]; weight in [s]."""
     balance, temperature, weight = jax.lax.stop_gradient((balance, temperature, weight))
     model, space, pattern = balance.model, balance.model.space, balance.model.space.pattern
-    diagonal, rows = balance.stored, balance.stored_rows
-    stiffness_diagonal, stiffness_rows = balance.stiffness_diagonal, balance.stiffness_rows
-    if model.capacity_law is not None:
-        factor = model.capacity_law.factor(_cell_mean(model, temperature))
-        diagonal, edges = mass(space, model.capacity * factor)
-        rows = expand(pattern, edges)
-    if model.conductivity_law is not None:
-        stiffness = _stiffness(balance, temperature)
-        stiffness_diagonal = diagonal_of(space, stiffness)
-        stiffness_rows = expand(pattern, stiffness)
-    diagonal = diagonal + weight * stiffness_diagonal
-    rows = jax.tree.map(lambda m, k: m + weight * k, rows, stiffness_rows)
+    if balance.constant is not None:
+        diagonal, rows = balance.constant.diagonal, balance.constant.rows
+    else:
+        diagonal, rows = _plain_matrix(balance, temperature, weight)
     slope = _slope(model, on_faces(space, temperature)) if model.surface else None
     if slope is not None:
         on_diagonal, on_edges = surface_mass(space, weight * slope)
@@ -205,3 +209,22 @@ def step_matrix(balance: Balance, temperature: Float[Array, " nodes"], weight: T
         rows = scale_rows(pattern, rows, free)
         diagonal = jnp.where(free > 0, diagonal, 1.0)
     return StepMatrix(pattern, diagonal, rows)
+
+
+def _plain_matrix(
+    balance: Balance, temperature: Float[Array, " nodes"], weight: Time
+) -> tuple[Float[Array, " nodes"], Rows]:
+    """M + weight K [J/K] at nodal temperatures [K], without the surface."""
+    model, space, pattern = balance.model, balance.model.space, balance.model.space.pattern
+    diagonal, rows = balance.stored, balance.stored_rows
+    stiffness_diagonal, stiffness_rows = balance.stiffness_diagonal, balance.stiffness_rows
+    if model.capacity_law is not None:
+        factor = model.capacity_law.factor(_cell_mean(model, temperature))
+        diagonal, edges = mass(space, model.capacity * factor)
+        rows = expand(pattern, edges)
+    if model.conductivity_law is not None:
+        stiffness = _stiffness(balance, temperature)
+        stiffness_diagonal = diagonal_of(space, stiffness)
+        stiffness_rows = expand(pattern, stiffness)
+    rows = jax.tree.map(lambda m, k: m + weight * k, rows, stiffness_rows)
+    return diagonal + weight * stiffness_diagonal, rows

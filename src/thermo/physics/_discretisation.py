@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import final
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
@@ -97,6 +96,7 @@ def discretise(mesh: Mesh) -> Discretisation:
     surface[mesh.faces] = True
     pattern = make_pattern(pairs, surface_edges, surface)
     corners = mesh.faces.T.ravel() - pattern.inner
+    of_pair = edge_number.reshape(face_edge.shape).T.ravel()
     volume = cell_volumes(mesh)
     points, weights = triangle_rule(mesh.order)
     return Discretisation(
@@ -105,8 +105,8 @@ def discretise(mesh: Mesh) -> Discretisation:
         gradient=_barycentric_gradients(mesh) * np.sqrt(volume)[:, None, None],
         volume=volume,
         cell_edge=cell_edge,
-        to_nodes=gather_to(corners, count - pattern.inner),
-        to_edges=gather_to(edge_number.reshape(face_edge.shape).T.ravel(), len(surface_edges)),
+        to_nodes=gather_to(corners, count - pattern.inner, len(mesh.faces)),
+        to_edges=gather_to(of_pair, len(surface_edges), len(mesh.faces)),
         face_shape=face_shape(points, mesh.order),
         face_weight=face_areas(mesh)[:, None] * weights,
         face_point=np.einsum("qa,fax->fqx", points, mesh.nodes[mesh.faces[:, :3]]),
@@ -171,35 +171,35 @@ def surface_mass(
     - `weight`: coefficient at the face points, (faces, points) [W/m2/K].
     """
     shape = space.face_shape
-    # Otherwise each sum below would work out the coefficient for itself.
-    scaled = jax.lax.optimization_barrier((weight * space.face_weight).T)
-    pairs = np.transpose(np.triu_indices(shape.shape[1], 1))
-    diagonal = [_weighted(scaled, shape[:, a] ** 2) for a in range(shape.shape[1])]
-    edges = [_weighted(scaled, shape[:, a] * shape[:, b]) for a, b in pairs]
+    scaled = (weight * space.face_weight).T
+    a, b = np.triu_indices(shape.shape[1], 1)
     return (
-        gather_sum(space.to_nodes, jnp.concatenate(diagonal)),
-        gather_sum(space.to_edges, jnp.concatenate(edges)),
+        gather_sum(space.to_nodes, _sums(scaled, shape**2)),
+        gather_sum(space.to_edges, _sums(scaled, shape[:, a] * shape[:, b])),
     )
 
 
-def _weighted(
-    values: Float[Array, "points faces"], weight: Float[Array | np.ndarray, " points"]
-) -> Float[Array, " faces"]:
-    """Sum over the points, written out: a product of such thin matrices is slow."""
-    total = weight[0] * values[0]
-    for factor, row in zip(weight[1:], values[1:], strict=True):
+def _sums(
+    values: Float[Array, "points faces"], weight: Float[Array | np.ndarray, "points sums"]
+) -> Float[Array, " all"]:
+    """Weighted sums over the points of each face, one after the other, and a row of zeros.
+
+    Written out: as a product of such thin matrices, or with the sums put together afterwards,
+    this would be slow.
+    """
+    wide = jnp.concatenate([weight, jnp.zeros((len(weight), 1))], axis=1)[:, :, None]
+    total = wide[0] * values[0]
+    for factor, row in zip(wide[1:], values[1:], strict=True):
         total = total + factor * row
-    return total
+    return total.ravel()
 
 
 def surface_load(
     space: Discretisation, flux: Float[Array, "faces points"]
 ) -> Float[Array, " nodes"]:
     """Nodal heat rate [W] of a flux into the body given at the face points [W/m2]."""
-    shape = space.face_shape
-    scaled = jax.lax.optimization_barrier((flux * space.face_weight).T)
-    terms = [_weighted(scaled, shape[:, a]) for a in range(shape.shape[1])]
-    outer = gather_sum(space.to_nodes, jnp.concatenate(terms))
+    scaled = (flux * space.face_weight).T
+    outer = gather_sum(space.to_nodes, _sums(scaled, jnp.asarray(space.face_shape)))
     return jnp.concatenate([jnp.zeros(space.pattern.inner, outer.dtype), outer])
 
 
@@ -216,8 +216,11 @@ def on_faces(
     """Temperature [K] at the quadrature points of the boundary faces."""
     shape = space.face_shape
     outer = temperature[space.pattern.inner :]
-    corners = gather_sum(space.to_nodes.transpose(), outer).reshape(shape.shape[1], -1)
+    corners = gather_sum(space.to_nodes.transpose(), outer)
+    corners = corners.reshape(shape.shape[1] + 1, -1)[:-1]
     # From differences, so that a constant comes back to the last bit.
-    rise = corners[1:] - corners[0]
-    points = [corners[0] + _weighted(rise, weight[1:]) for weight in shape]
-    return jnp.stack(points, axis=1)
+    rise, weight = corners[1:] - corners[0], jnp.asarray(shape)[:, 1:, None]
+    total = corners[0] + weight[:, 0] * rise[0]
+    for place in range(1, len(rise)):
+        total = total + weight[:, place] * rise[place]
+    return total.T

@@ -22,10 +22,10 @@ from jaxtyping import Array, Float, Int
 
 @final
 class GatherSum(eqx.Module):
-    """y_i = sum over j in group i of x_j.
+    """y_i = sum over j in group i of x_j, for values of which the last ones are zero.
 
-    - `groups`: for each result the values to add, (most, results), padded with the number of
-      values; `back`: the same for the transpose, (often, values).
+    - `groups`: for each result the values to add, (most, results), padded with one that is zero.
+    - `back`: the same for the transpose, (often, values).
     """
 
     groups: Int[Array | np.ndarray, "most results"]
@@ -36,29 +36,29 @@ class GatherSum(eqx.Module):
         return GatherSum(self.back, self.groups)
 
 
-def _padded_groups(group: np.ndarray, count: int) -> Int[np.ndarray, "most groups"]:
-    """Members of each group from the group of each member; negative ones belong to none."""
-    member = np.flatnonzero(group >= 0)
-    member = member[np.argsort(group[member], kind="stable")]
-    size = np.bincount(group[member], minlength=count)
-    place = np.arange(len(member)) - np.repeat(np.cumsum(size) - size, size)
-    table = np.full((int(size.max(initial=0)), count), len(group), np.int32)
-    table[place, group[member]] = member
-    return table
+def gather_to(target: Int[np.ndarray, " values"], count: int, spare: int) -> GatherSum:
+    """The map that adds each value to the result with the given number.
 
+    Arguments:
 
-def gather_to(target: Int[np.ndarray, " values"], count: int) -> GatherSum:
-    """The map that adds each value to the result with the given number; negative to none."""
-    back = np.where(target < 0, count, target).astype(np.int32)[None]
-    return GatherSum(_padded_groups(target, count), back)
+    - `target`: results of the values, of which each of the `count` [1] has one or more.
+    - `spare`: how many zeros follow the values [1], at least one. What the transpose says of
+      them means nothing.
+    """
+    order = np.argsort(target, kind="stable")
+    size = np.bincount(target, minlength=count)
+    place = np.arange(len(target)) - np.repeat(np.cumsum(size) - size, size)
+    groups = np.full((int(size.max()), count), len(target), np.int32)
+    groups[place, target[order]] = order
+    back = np.concatenate([target, np.zeros(spare, int)]).astype(np.int32)
+    return GatherSum(groups, back[None])
 
 
 def _apply(values: Array, groups: Array, back: Array) -> Array:
     del back
-    padded = jnp.concatenate([values, jnp.zeros((1, *values.shape[1:]), values.dtype)])
-    total = padded[groups[0]]
+    total = values[groups[0]]
     for member in groups[1:]:
-        total = total + padded[member]
+        total = total + values[member]
     return total
 
 

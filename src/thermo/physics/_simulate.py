@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from thermo.physics._adjoint import AbstractAdjoint, StoreSteps
-from thermo.physics._balance import assemble
+from thermo.physics._balance import assemble, with_weight
 from thermo.physics._conjugate_gradient import ConjugateGradient
 from thermo.physics._model import Model
 from thermo.physics._outlook import Outlook, outlooks, without_past
@@ -72,6 +72,8 @@ def solve_heat(
         return (new, past), (readout.read(new), fine)
 
     start, size = jnp.asarray(grid.start), jnp.asarray(grid.size)
+    if grid.even:
+        balance = with_weight(balance, integrator.weight(size[0]))
     past, _ = without_past(integrator.solves(), len(initial))
     steps = (start, size, outlooks(start, size))
     (final_state, _), (samples, fine) = adjoint.run(step, (initial, past), steps)

@@ -21,6 +21,9 @@ from thermo.physics.integrators import Sdirk2, step_with_error
 
 SAFETY, SHRINK, GROW = 0.9, 0.2, 3.0
 
+EVEN = 1e-9
+"""Difference of steps [1], relative to their length, that is rounding."""
+
 
 @final
 class TimeGrid(eqx.Module):
@@ -29,21 +32,25 @@ class TimeGrid(eqx.Module):
     - `start`, `size`: of each step, (steps,) [s].
     - `frame_step`: for each frame the number of steps done by then, (frames,).
     - `frame_time`: (frames,) [s].
+    - `even`: whether all steps are of one length, so that one matrix serves them.
     """
 
     start: Float[Array | np.ndarray, " steps"]
     size: Float[Array | np.ndarray, " steps"]
     frame_step: Int[Array | np.ndarray, " frames"]
     frame_time: Float[Array | np.ndarray, " frames"]
+    even: bool = eqx.field(static=True, default=False)
 
 
 def _grid(ends: Sequence[float], frames: Float[np.ndarray, " frames"]) -> TimeGrid:
     edges = np.concatenate([[0.0], np.asarray(ends, float)])
+    size = np.diff(edges)
     return TimeGrid(
         start=edges[:-1],
-        size=np.diff(edges),
+        size=size,
         frame_step=np.searchsorted(edges, frames - 1e-9).astype(np.int32),
         frame_time=np.asarray(frames, float),
+        even=bool(np.ptp(size) < EVEN * size.max()),
     )
 
 
@@ -68,7 +75,7 @@ def uniform_steps(
 def every_step(grid: TimeGrid) -> TimeGrid:
     """The same steps, with a frame at the start and at the end of each [s]."""
     edges = np.append(np.asarray(grid.start), grid.start[-1] + grid.size[-1])
-    return TimeGrid(grid.start, grid.size, np.arange(len(edges), dtype=np.int32), edges)
+    return TimeGrid(grid.start, grid.size, np.arange(len(edges), dtype=np.int32), edges, grid.even)
 
 
 def _inside(switches: Sequence[float], frames: Float[np.ndarray, " frames"]) -> np.ndarray:

@@ -41,6 +41,10 @@ class BackwardEuler(AbstractIntegrator):
         """One linear solve an iteration [1]."""
         return self.iterations
 
+    def weight(self, size: Time) -> Time:
+        """Of the heat rates in the matrix of a step of `size` [s]; [s]."""
+        return size
+
     def step(
         self,
         balance: Balance,

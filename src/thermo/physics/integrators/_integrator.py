@@ -36,6 +36,10 @@ class AbstractIntegrator(eqx.Module):
         """Linear solves in a step [1]."""
 
     @abstractmethod
+    def weight(self, size: Time) -> Time:
+        """Of the heat rates in the matrix of a step of `size` [s]; [s]."""
+
+    @abstractmethod
     def step(
         self,
         balance: Balance,

@@ -54,6 +54,10 @@ class Sdirk2(AbstractIntegrator):
         """Two stages, each with its iterations [1]."""
         return 2 * self.iterations
 
+    def weight(self, size: Time) -> Time:
+        """Of the heat rates in the matrix of a step of `size` [s]; [s]."""
+        return GAMMA * size
+
     def step(
         self,
         balance: Balance,
@@ -79,7 +83,7 @@ def _stages(
     past: Past,
     outlook: Outlook,
 ) -> tuple[Float[Array, " nodes"], Float[Array, " nodes"], Past, Bool[Array, ""]]:
-    weight = GAMMA * size
+    weight = scheme.weight(size)
     matrix = step_matrix(balance, temperature, weight)
     old = equivalent(balance, temperature)
 
