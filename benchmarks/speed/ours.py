@@ -11,6 +11,7 @@ from problem import CONVECTION, EMISSIVITY, SIZE, START, SURROUNDINGS, Problem
 from thermo.physics import (
     AbstractAdjoint,
     ConjugateGradient,
+    ForwardOnly,
     Model,
     ReadOut,
     RecomputeSegments,
@@ -51,7 +52,9 @@ class Ours:
             RecomputeSegments(length) if adjoint == "segments" else StoreSteps()
         )
 
-    def _run(self, model: Model, conductivity: jax.Array) -> jax.Array:
+    def _run(
+        self, model: Model, conductivity: jax.Array, adjoint: AbstractAdjoint | None = None
+    ) -> jax.Array:
         changed = eqx.tree_at(lambda m: m.conductivity, model, conductivity)
         return solve_heat(
             changed,
@@ -60,7 +63,7 @@ class Ours:
             integrator=BackwardEuler(),
             readout=self.readout,
             solver=ConjugateGradient(rtol=self.rtol),
-            adjoint=self.adjoint,
+            adjoint=self.adjoint if adjoint is None else adjoint,
         ).temperature
 
     def forward(self):  # noqa: ANN201
@@ -90,7 +93,9 @@ class Ours:
         @eqx.filter_jit
         def columns(model: Model, conductivity: jax.Array, ways: jax.Array) -> jax.Array:
             def push(way: jax.Array) -> jax.Array:
-                return jax.jvp(lambda k: self._run(model, k), (conductivity,), (way,))[1]
+                return jax.jvp(
+                    lambda k: self._run(model, k, ForwardOnly()), (conductivity,), (way,)
+                )[1]
 
             return jax.vmap(push, out_axes=-1)(ways)
 

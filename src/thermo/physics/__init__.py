@@ -1,6 +1,6 @@
 """The heat equation on tetrahedra: operators, effects, integrators, simulation."""
 
-from thermo.physics._adjoint import AbstractAdjoint, RecomputeSegments, StoreSteps
+from thermo.physics._adjoint import AbstractAdjoint, ForwardOnly, RecomputeSegments, StoreSteps
 from thermo.physics._balance import Balance, assemble, heat_rate, step_matrix, stored_heat
 from thermo.physics._between_steps import between_steps
 from thermo.physics._conjugate_gradient import ConjugateGradient
@@ -16,6 +16,7 @@ __all__ = [
     "Balance",
     "ConjugateGradient",
     "Discretisation",
+    "ForwardOnly",
     "Model",
     "ReadOut",
     "RecomputeSegments",

@@ -14,11 +14,11 @@ from thermo.physics._discretisation import (
     mass,
     on_faces,
     stiffness_edges,
-    surface_load,
     surface_mass,
     volume_load,
 )
-from thermo.physics._edge_product import difference_product, edge_product
+from thermo.physics._edge_product import diagonal_product, difference_product, edge_product
+from thermo.physics._exchange import exchange, plain_exchange, slope_of
 from thermo.physics._model import Model
 from thermo.physics._pattern import Rows, add_surface, expand, scale_rows
 from thermo.physics._shape import reference_mass
@@ -90,11 +90,12 @@ def _stiffness(balance: Balance, temperature: Float[Array, " nodes"]) -> Float[A
 class Rise(eqx.Module):
     """An increment whose heat is taken from a linearisation, as in `step_matrix`.
 
-    - `value`: (nodes,) [K]; `about`: temperatures of the linearisation, (nodes,) [K].
+    - `value`: (nodes,) [K]; `about`: temperatures of the linearisation, (nodes,) [K], or None for
+      those that the increment adds to.
     """
 
     value: Float[Array, " nodes"]
-    about: Float[Array, " nodes"]
+    about: Float[Array, " nodes"] | None
 
 
 def heat_rate(
@@ -111,12 +112,12 @@ def heat_rate(
     model, space = balance.model, balance.model.space
     rate = -_conducted(balance, temperature, rise)
     if model.surface:
-        at_faces = on_faces(space, temperature)
-        flux = sum(effect.flux(at_faces, time) for effect in model.surface)
-        slope = None if rise is None else _slope(model, on_faces(space, rise.about))
-        if rise is not None and slope is not None:
-            flux = flux - slope * on_faces(space, rise.value)
-        rate = rate + surface_load(space, jnp.asarray(flux))
+        value, about = (None, None) if rise is None else (rise.value, rise.about)
+        local = tuple(effect for effect in model.surface if effect.local())
+        rate = rate + exchange(space, local, time, temperature, value, about)
+        distant = tuple(effect for effect in model.surface if not effect.local())
+        if distant:
+            rate = rate + plain_exchange(space, distant, time, temperature, value, about)
     for effect in model.volume:
         rate = rate + volume_load(space, effect.power(time))
     return rate
@@ -130,19 +131,12 @@ def _conducted(
     if balance.model.conductivity_law is None:
         whole = temperature if rise is None else temperature + rise.value
         return difference_product(pattern, balance.stiffness, whole, balance.stiffness_rows)
-    flow = difference_product(pattern, _stiffness(balance, temperature), temperature)
-    if rise is None:
-        return flow
+    stiffness = _stiffness(balance, temperature)
+    if rise is None or rise.about is None:
+        whole = temperature if rise is None else temperature + rise.value
+        return difference_product(pattern, stiffness, whole)
+    flow = difference_product(pattern, stiffness, temperature)
     return flow + difference_product(pattern, _stiffness(balance, rise.about), rise.value)
-
-
-def _slope(
-    model: Model, at_faces: Float[Array, "faces points"]
-) -> Float[Array, "faces points"] | None:
-    """Coefficient of all effects together [W/m2/K]; None where no flux depends on temperature."""
-    slopes = [effect.slope(at_faces) for effect in model.surface]
-    known = [slope for slope in slopes if slope is not None]
-    return jnp.asarray(sum(known)) if known else None
 
 
 def stored_heat(balance: Balance, rise: Float[Array, " nodes"]) -> Float[Array, " nodes"]:
@@ -180,14 +174,16 @@ def missing_heat(
     heat = weight * heat_rate(balance, temperature, time, rise)
     above = None if base is None else equivalent(balance, temperature) - base
     if rise is not None and model.capacity_law is not None:
-        factor = model.capacity_law.factor(_cell_mean(model, rise.about))
+        factor = model.capacity_law.factor(
+            _cell_mean(model, temperature if rise.about is None else rise.about)
+        )
         content = mass(model.space, model.capacity * factor)
         heat = heat - edge_product(model.space.pattern, *content, rise.value)
     elif rise is not None:
         above = rise.value if above is None else above + rise.value
     if above is not None:
         heat = heat - stored_heat(balance, above)
-    return heat if model.prescribed is None else heat * model.prescribed.free()
+    return heat if model.prescribed is None else diagonal_product(model.prescribed.free(), heat)
 
 
 def step_matrix(balance: Balance, temperature: Float[Array, " nodes"], weight: Time) -> StepMatrix:
@@ -198,7 +194,7 @@ def step_matrix(balance: Balance, temperature: Float[Array, " nodes"], weight: T
         diagonal, rows = balance.constant.diagonal, balance.constant.rows
     else:
         diagonal, rows = _plain_matrix(balance, temperature, weight)
-    slope = _slope(model, on_faces(space, temperature)) if model.surface else None
+    slope = slope_of(model.surface, on_faces(space, temperature)) if model.surface else None
     if slope is not None:
         on_diagonal, on_edges = surface_mass(space, weight * slope)
         outer = diagonal[pattern.inner :] + on_diagonal

@@ -13,7 +13,14 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from thermo.mesh import Mesh, cell_volumes, face_areas
 from thermo.physics._gather_sum import GatherSum, gather_sum, gather_to
-from thermo.physics._pattern import Pattern, cell_pairs, find_pairs, make_pattern, row_lengths
+from thermo.physics._pattern import (
+    Pattern,
+    cell_pairs,
+    find_pairs,
+    make_pattern,
+    of_surface,
+    row_lengths,
+)
 from thermo.physics._quadrature import triangle_rule
 from thermo.physics._shape import face_shape, reference_mass, reference_stiffness
 
@@ -27,6 +34,7 @@ class Discretisation(eqx.Module):
 
     - `gradient`: V g_a . g_b of the barycentric gradients, (cells, 4, 3) holding V^(1/2) g [m^1/2].
     - `volume`: (cells,) [m3].
+    - `surface`: the pattern of matrices on the nodes of the surface alone.
     - `cell_edge`: the edge of each node pair of a cell.
     - `to_nodes`: from the corners of all faces, corner by corner, to the nodes of the surface.
     - `to_edges`: from the node pairs of all faces, pair by pair, to the edges of the surface.
@@ -36,6 +44,7 @@ class Discretisation(eqx.Module):
 
     mesh: Mesh
     pattern: Pattern
+    surface: Pattern
     gradient: Float[Array | np.ndarray, "cells 4 3"]
     volume: Float[Array | np.ndarray, " cells"]
     cell_edge: Int[Array | np.ndarray, "cells pairs"]
@@ -102,6 +111,7 @@ def discretise(mesh: Mesh) -> Discretisation:
     return Discretisation(
         mesh=mesh,
         pattern=pattern,
+        surface=of_surface(pattern),
         gradient=_barycentric_gradients(mesh) * np.sqrt(volume)[:, None, None],
         volume=volume,
         cell_edge=cell_edge,
@@ -200,7 +210,7 @@ def surface_load(
     """Nodal heat rate [W] of a flux into the body given at the face points [W/m2]."""
     scaled = (flux * space.face_weight).T
     outer = gather_sum(space.to_nodes, _sums(scaled, jnp.asarray(space.face_shape)))
-    return jnp.concatenate([jnp.zeros(space.pattern.inner, outer.dtype), outer])
+    return jnp.pad(outer, (space.pattern.inner, 0))
 
 
 def volume_load(space: Discretisation, density: Float[Array, " cells"]) -> Float[Array, " nodes"]:

@@ -36,10 +36,15 @@ class Outlook(eqx.Module):
     size: Float[Array, "*steps"]
 
 
-def without_past(solves: int, nodes: int) -> tuple[Float[Array, "solves depth nodes"], Outlook]:
+Past = tuple[Float[Array, "depth nodes"], ...]
+"""For each linear solve of a step, what it found in the last steps, the latest first [K/s]."""
+
+
+def without_past(solves: int, nodes: int) -> tuple[Past, Outlook]:
     """The past [K/s] and the outlook of a step with no other before it."""
     nothing = jnp.zeros(DEPTH)
-    return jnp.zeros((solves, DEPTH, nodes)), Outlook(nothing, nothing, jnp.ones(()))
+    past = tuple(jnp.zeros((DEPTH, nodes)) for _ in range(solves))
+    return past, Outlook(nothing, nothing, jnp.ones(()))
 
 
 def _extrapolation(time: Float[Array, " steps"], count: int) -> Float[Array, "steps depth"]:

@@ -183,6 +183,23 @@ def make_pattern(
     )
 
 
+def of_surface(pattern: Pattern) -> Pattern:
+    """The pattern of matrices on the nodes of the surface alone, numbered from zero."""
+    inner, chosen = pattern.inner, pattern.surface_edge
+    flags = [flag for *_, flag in pattern.bounds]
+    columns = [block for block, flag in zip(pattern.columns, flags, strict=True) if flag]
+    return Pattern(
+        first=pattern.first[chosen] - inner,
+        second=pattern.second[chosen] - inner,
+        columns=jax.tree.map(lambda node: node - inner, tuple(columns)),
+        source=pattern.surface_source,
+        surface_edge=np.zeros(0, np.int32),
+        surface_source=(),
+        bounds=tuple((low - inner, high - inner, False) for low, high, f in pattern.bounds if f),
+        inner=0,
+    )
+
+
 def _padded(values: Float[Array, "values *batch"]) -> Float[Array, "more *batch"]:
     return jnp.concatenate([values, jnp.zeros((1, *values.shape[1:]), values.dtype)])
 

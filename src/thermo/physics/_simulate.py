@@ -13,12 +13,12 @@ from thermo.physics._adjoint import AbstractAdjoint, StoreSteps
 from thermo.physics._balance import assemble, with_weight
 from thermo.physics._conjugate_gradient import ConjugateGradient
 from thermo.physics._model import Model
-from thermo.physics._outlook import Outlook, outlooks, without_past
+from thermo.physics._outlook import Outlook, Past, outlooks, without_past
 from thermo.physics._readout import ReadOut, every_node
 from thermo.physics._time_grid import TimeGrid
 from thermo.physics.integrators import AbstractIntegrator
 
-State = tuple[Float[Array, " nodes"], Float[Array, "solves depth nodes"]]
+State = tuple[Float[Array, " nodes"], Past]
 
 
 @final

@@ -23,9 +23,6 @@ from thermo.physics._conjugate_gradient import ConjugateGradient
 from thermo.physics._outlook import Outlook
 from thermo.physics._step_matrix import StepMatrix
 
-Past = Float[Array, "depth nodes"]
-"""Solutions of the last steps, the latest first, over their scale [K, or K/s]."""
-
 
 def _solve(heat: Array, past: Array, *leaves: Any, shape: Any, transposed: bool) -> Any:
     matrix, solver, outlook = jax.tree.unflatten(shape, leaves)
@@ -95,10 +92,10 @@ mlir.register_lowering(_solve_p, mlir.lower_fun(_solve, multiple_results=True))
 def warm_solve(
     matrix: StepMatrix,
     heat: Float[Array, " nodes"],
-    past: Past,
+    past: Float[Array, "depth nodes"],
     solver: ConjugateGradient,
     outlook: Outlook,
-) -> tuple[Float[Array, " nodes"], Past, Bool[Array, ""]]:
+) -> tuple[Float[Array, " nodes"], Float[Array, "depth nodes"], Bool[Array, ""]]:
     """Solution [K] for a right-hand side [J], the past of the next step, and whether it converged.
 
     Linear in `heat` and `past` together, and its own transpose.

@@ -30,6 +30,10 @@ class Convection(AbstractSurfaceEffect):
         """Flux into the body [W/m2] at surface temperatures [K] and a time [s]."""
         return self.coefficient[:, None] * (value_at(self.ambient, time) - temperature)
 
+    def local(self) -> bool:
+        """Yes: the flux at a point knows no other temperature [K]."""
+        return True
+
     def slope(self, temperature: Float[Array, "faces points"]) -> Float[Array, "faces points"]:
         """Coefficient of the implicit matrix, h [W/m2/K]."""
         return jnp.broadcast_to(self.coefficient[:, None], temperature.shape)
@@ -53,6 +57,10 @@ class Contact(AbstractSurfaceEffect):
     ) -> Float[Array, "faces points"]:
         """Flux into the body [W/m2] at surface temperatures [K] and a time [s]."""
         return self.conductance[:, None] * (value_at(self.support, time) - temperature)
+
+    def local(self) -> bool:
+        """Yes: the flux at a point knows no other temperature [K]."""
+        return True
 
     def slope(self, temperature: Float[Array, "faces points"]) -> Float[Array, "faces points"]:
         """Coefficient of the implicit matrix, g [W/m2/K]."""

@@ -25,6 +25,10 @@ class AbstractSurfaceEffect(eqx.Module):
     ) -> Float[Array, "faces points"] | None:
         """Coefficient [W/m2/K] that the implicit matrix takes for -dq/dT; None means zero."""
 
+    @abstractmethod
+    def local(self) -> bool:
+        """Whether the flux at a point depends on the temperature [K] of no other point."""
+
 
 class AbstractVolumeEffect(eqx.Module):
     """Heat released inside the body [W/m3]."""

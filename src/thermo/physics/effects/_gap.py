@@ -41,6 +41,10 @@ class GapExchange(AbstractSurfaceEffect):
         opposite = temperature[self.other[:, None], self.point]
         return jnp.asarray(self.conductance)[:, None] * (opposite - temperature)
 
+    def local(self) -> bool:
+        """No: it depends on the temperature on the other side [K]."""
+        return False
+
     def slope(self, temperature: Float[Array, "faces points"]) -> Float[Array, "faces points"]:
         """Coefficient of the implicit matrix, g [W/m2/K]."""
         return jnp.broadcast_to(jnp.asarray(self.conductance)[:, None], temperature.shape)

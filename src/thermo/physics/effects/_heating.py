@@ -35,6 +35,10 @@ class Heating(AbstractSurfaceEffect):
         del temperature
         return self.power * self.schedule.share(time) * jnp.asarray(self.profile)
 
+    def local(self) -> bool:
+        """Yes: the flux at a point knows no other temperature [K]."""
+        return True
+
     def slope(self, temperature: Float[Array, "faces points"]) -> None:
         """None: the flux does not depend on the temperature [K]."""
         del temperature
@@ -57,6 +61,10 @@ class PrescribedFlux(AbstractSurfaceEffect):
         """Flux into the body [W/m2] at a time [s]; surface temperatures [K] do not matter."""
         level = self.density * value_at(self.factor, time)
         return jnp.broadcast_to(level[:, None], temperature.shape)
+
+    def local(self) -> bool:
+        """Yes: the flux at a point knows no other temperature [K]."""
+        return True
 
     def slope(self, temperature: Float[Array, "faces points"]) -> None:
         """None: the flux does not depend on the temperature [K]."""

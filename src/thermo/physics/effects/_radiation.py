@@ -44,6 +44,10 @@ class Radiation(AbstractSurfaceEffect):
         outside = value_at(self.surroundings, time)
         return _exchange(self.emissivity, temperature, outside) * (outside - temperature)
 
+    def local(self) -> bool:
+        """Yes: the flux at a point knows no other temperature [K]."""
+        return True
+
     def slope(self, temperature: Float[Array, "faces points"]) -> Float[Array, "faces points"]:
         """Coefficient of the implicit matrix, 4 eps sigma T^3 [W/m2/K]."""
         return 4 * STEFAN_BOLTZMANN * self.emissivity[:, None] * temperature**3
@@ -72,6 +76,10 @@ class LaggedRadiation(AbstractSurfaceEffect):
         del time
         outside = jnp.asarray(self.surroundings)
         return _exchange(self.emissivity, temperature, outside) * (outside - temperature)
+
+    def local(self) -> bool:
+        """Yes: the flux at a point knows no other temperature [K]."""
+        return True
 
     def slope(self, temperature: Float[Array, "faces points"]) -> Float[Array, "faces points"]:
         """Coefficient of the implicit matrix, h_r [W/m2/K]."""

@@ -9,11 +9,10 @@ from jaxtyping import Array, Float
 
 from thermo.physics._balance import Balance
 from thermo.physics._conjugate_gradient import ConjugateGradient
-from thermo.physics._outlook import Outlook
+from thermo.physics._outlook import Outlook, Past
 from thermo.physics.effects._effect import Time
 from thermo.physics.integrators._integrator import (
     AbstractIntegrator,
-    Past,
     Step,
     solve_stage,
     within,

@@ -12,13 +12,10 @@ from jaxtyping import Array, Bool, Float
 
 from thermo.physics._balance import Balance, Rise, equivalent, missing_heat, step_matrix
 from thermo.physics._conjugate_gradient import ConjugateGradient
-from thermo.physics._outlook import Outlook
+from thermo.physics._outlook import Outlook, Past
 from thermo.physics._step_matrix import StepMatrix
 from thermo.physics._warm_solve import warm_solve
 from thermo.physics.effects._effect import Time
-
-Past = Float[Array, "solves depth nodes"]
-"""Rates [K/s] that the linear solves of the last steps found: where those of the next begin."""
 
 Step = tuple[Float[Array, " nodes"], Past, Bool[Array, ""]]
 """Nodal temperatures [K] after a step, what the next one begins from, and whether it converged."""
@@ -61,7 +58,7 @@ def within(start: Time, size: Time, share: float) -> Time:
 @eqx.filter_custom_jvp
 def _increment(
     stage: Any,
-    about: Float[Array, " nodes"],
+    about: Float[Array, " nodes"] | None,
     past: Float[Array, "depth nodes"],
     matrix: StepMatrix,
     solver: ConjugateGradient,
@@ -98,9 +95,9 @@ def solve_stage(
     about: Float[Array, " nodes"] | None,
     matrix: StepMatrix | None,
     solver: ConjugateGradient,
-    past: Float[Array, "iterations depth nodes"],
+    past: Past,
     outlook: Outlook,
-) -> tuple[Float[Array, " nodes"], Float[Array, "iterations depth nodes"], Bool[Array, ""]]:
+) -> tuple[Float[Array, " nodes"], Past, Bool[Array, ""]]:
     """Solve M (G(Y) - base) = weight F(Y, t) for Y [K] by Newton's method from `guess`.
 
     Arguments:
@@ -109,7 +106,7 @@ def solve_stage(
     - `base`: equivalent temperature at the left, (nodes,) [K]; None means G(guess).
     - `time`: of the stage [s]; `weight`: [s].
     - `matrix`: M + weight J for the first iteration where it is at hand [J/K], and `about`: the
-      temperatures that it was linearised at, (nodes,) [K].
+      temperatures that it was linearised at where these are not the guess, (nodes,) [K].
     - `past`: rates that each iteration found in the steps before [K/s].
 
     Returns Y [K], the rates for the next step and whether every solve converged.
@@ -120,14 +117,14 @@ def solve_stage(
         base = equivalent(balance, guess) if base is None else base
         current = prescribed.impose(guess, time)
     converged, found = jnp.asarray(True), []
-    for count in range(len(past)):
+    for count, before in enumerate(past):
         if count > 0 and base is None:
             base = equivalent(balance, guess)
-        if matrix is None or about is None or count > 0:
-            about, matrix = current, step_matrix(balance, current, weight)
+        if matrix is None or count > 0:
+            about, matrix = None, step_matrix(balance, current, weight)
         stage = (balance, current, base, time, weight)
-        rise, rates, fine = _increment(stage, about, past[count], matrix, solver, outlook)
+        rise, rates, fine = _increment(stage, about, before, matrix, solver, outlook)
         found.append(rates)
         current = current + rise
         converged = converged & fine
-    return current, jnp.stack(found), converged
+    return current, tuple(found), converged

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, final
+from typing import final
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
@@ -17,11 +16,10 @@ from thermo.physics._balance import (
     stored_heat,
 )
 from thermo.physics._conjugate_gradient import ConjugateGradient
-from thermo.physics._outlook import Outlook, without_past
+from thermo.physics._outlook import Outlook, Past, without_past
 from thermo.physics.effects._effect import Time
 from thermo.physics.integrators._integrator import (
     AbstractIntegrator,
-    Past,
     Step,
     solve_stage,
     within,
@@ -87,22 +85,20 @@ def _stages(
     matrix = step_matrix(balance, temperature, weight)
     old = equivalent(balance, temperature)
 
-    # A scan, because a compiler takes as long again for a stage that is written out twice.
-    def stage(carry: Any, inputs: Any) -> Any:
-        guess, base, converged = carry
-        time, before = inputs
-        value, found, fine = solve_stage(
-            balance, guess, base, time, weight, temperature, matrix, solver, before, outlook
-        )
-        rise = equivalent(balance, value) - old
-        guess = temperature + (value - temperature) / GAMMA
-        return (guess, old + (1 - GAMMA) / GAMMA * rise, converged & fine), (value, rise, found)
-
-    times = jnp.stack([within(start, size, GAMMA), within(start, size, 1.0)])
-    first = (temperature, old, jnp.asarray(True))
-    each = past.reshape(2, scheme.iterations, *past.shape[1:])
-    (*_, converged), (values, rises, found) = jax.lax.scan(stage, first, (times, each))
-    return values[1], rises[0], found.reshape(past.shape), converged
+    guess, base, about = temperature, old, None
+    found, converged, rises = (), jnp.asarray(True), []
+    value = temperature
+    for number, share in enumerate((GAMMA, 1.0)):
+        before = past[number * scheme.iterations : (number + 1) * scheme.iterations]
+        value, rates, fine = solve_stage(
+            balance, guess, base, within(start, size, share), weight, about, matrix, solver, before,
+            outlook,
+        )  # fmt: skip
+        rises.append(equivalent(balance, value) - old)
+        guess, about = temperature + (value - temperature) / GAMMA, temperature
+        base = old + (1 - GAMMA) / GAMMA * rises[-1]
+        found, converged = (*found, *rates), converged & fine
+    return value, rises[0], found, converged
 
 
 def step_with_error(
