@@ -15,7 +15,13 @@ from thermo.fields import AbstractField
 from thermo.inverse._case import Case
 from thermo.inverse._conditions import make_model
 from thermo.inverse._properties import Stated, properties
-from thermo.physics import ConjugateGradient, Discretisation, solve_heat
+from thermo.physics import (
+    AbstractAdjoint,
+    ConjugateGradient,
+    Discretisation,
+    ForwardOnly,
+    solve_heat,
+)
 from thermo.physics.integrators import AbstractIntegrator
 
 Parameters = dict[str, PyTree[Float[Array, "..."]]]
@@ -92,7 +98,10 @@ def with_fields(objective: Objective, parameters: Mapping[str, PyTree]) -> dict[
 
 
 def case_temperatures(
-    objective: Objective, fields: dict[str, AbstractField], case: Case
+    objective: Objective,
+    fields: dict[str, AbstractField],
+    case: Case,
+    adjoint: AbstractAdjoint | None = None,
 ) -> Float[Array, "frames samples"]:
     """Simulated temperatures [K] of one run at its samples and frames."""
     space = objective.space
@@ -107,16 +116,21 @@ def case_temperatures(
         integrator=objective.integrator,
         readout=case.readout,
         solver=objective.solver,
+        adjoint=adjoint,
     ).temperature
     return temperature if case.between is None else case.between @ temperature
 
 
 def data_residual(
-    objective: Objective, parameters: Parameters, case: Case
+    objective: Objective,
+    parameters: Parameters,
+    case: Case,
+    adjoint: AbstractAdjoint | None = None,
 ) -> Float[Array, " values"]:
     """Whitened residual [1] of one run."""
     fields = with_fields(objective, parameters)
-    return ((case_temperatures(objective, fields, case) - case.data) * case.weight).ravel()
+    found = case_temperatures(objective, fields, case, adjoint)
+    return ((found - case.data) * case.weight).ravel()
 
 
 def penalty(objective: Objective, parameters: Parameters) -> Float[Array, " terms"]:
@@ -152,7 +166,10 @@ def jacobian(
     values, tangents = [], []
     for case in objective.cases:
         value, tangent = jax.lax.map(
-            lambda one: push(lambda point: data_residual(objective, unravel(point), one)), case
+            lambda one: push(
+                lambda point: data_residual(objective, unravel(point), one, ForwardOnly())
+            ),
+            case,
         )
         values.append(value.ravel())
         tangents.append(tangent.reshape(-1, len(flat)))

@@ -99,7 +99,8 @@ def _pointwise(function: Callable[[AtFaces], AtFaces], at: AtFaces) -> AtFaces:
 def _(primals: Any, tangents: Any) -> Any:
     space, effects, time, temperature, rise, about = primals
     _, of_effects, of_time, moved, _, turned = tangents
-    now, more, base = (None if x is None else on_faces(space, x) for x in primals[3:])
+    now = on_faces(space, temperature)
+    more, base = (None if x is None else on_faces(space, x) for x in (rise, about))
     terms = []
     if any(leaf is not None for leaf in jax.tree.leaves((of_effects, of_time))):
         _, change = eqx.filter_jvp(
@@ -109,8 +110,8 @@ def _(primals: Any, tangents: Any) -> Any:
     if moved is not None:
         slope = _pointwise(lambda x: _through(effects, time, x, more, base), now)
         terms.append(_by_nodes(space, slope, moved))
-    if turned is not None:
+    if turned is not None and base is not None:
         slope = _pointwise(lambda x: _through(effects, time, now, more, x), base)
         terms.append(_by_nodes(space, slope, turned))
-    out = exchange(space, effects, time, temperature, rise, about)
+    out = surface_load(space, _through(effects, time, now, more, base))
     return out, sum(terms) if terms else jnp.zeros_like(out)

@@ -6,7 +6,7 @@ from typing import final
 
 import equinox as eqx
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 DEPTH = 3
 """Steps [1] that are looked back at."""
@@ -29,22 +29,24 @@ class Outlook(eqx.Module):
     - `ahead`: what to multiply the rate of each earlier step with, (depth,) [1].
     - `back`: the same for the adjoint, which comes from the later steps, (depth,) [1].
     - `size`: of the step [s].
+    - `place`: where the step's own solution goes, in place of the oldest one.
     """
 
     ahead: Float[Array, "*steps depth"]
     back: Float[Array, "*steps depth"]
     size: Float[Array, "*steps"]
+    place: Int[Array, "*steps"]
 
 
 Past = tuple[Float[Array, "depth nodes"], ...]
-"""For each linear solve of a step, what it found in the last steps, the latest first [K/s]."""
+"""For each linear solve of a step, what it found in the last steps [K/s], each at its place."""
 
 
 def without_past(solves: int, nodes: int) -> tuple[Past, Outlook]:
     """The past [K/s] and the outlook of a step with no other before it."""
     nothing = jnp.zeros(DEPTH)
     past = tuple(jnp.zeros((DEPTH, nodes)) for _ in range(solves))
-    return past, Outlook(nothing, nothing, jnp.ones(()))
+    return past, Outlook(nothing, nothing, jnp.ones(()), jnp.zeros((), jnp.int32))
 
 
 def _extrapolation(time: Float[Array, " steps"], count: int) -> Float[Array, "steps depth"]:
@@ -73,5 +75,11 @@ def outlooks(start: Float[Array, " steps"], size: Float[Array, " steps"]) -> Out
     Temperatures are carried on as rates at the middle of a step, adjoints as they are.
     """
     middle = start + 0.5 * size
+    number = jnp.arange(len(middle))[:, None]
+    nearest = jnp.arange(DEPTH)
+    ahead = _extrapolation(middle, AHEAD)
     back = _extrapolation(-middle[::-1], BACK)[::-1]
-    return Outlook(_extrapolation(middle, AHEAD), back, size)
+    # Weights are listed from the nearest step on, solutions by the number of their step.
+    ahead = jnp.take_along_axis(ahead, (number - 1 - nearest) % DEPTH, axis=1)
+    back = jnp.take_along_axis(back, (nearest - number - 1) % DEPTH, axis=1)
+    return Outlook(ahead, back, size, number[:, 0] % DEPTH)

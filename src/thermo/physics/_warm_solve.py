@@ -1,11 +1,11 @@
 """Solves of a step's matrix that begin from what the steps before it found.
 
 One primitive serves the temperatures, their tangents and their adjoints. It takes a right-hand
-side and the solutions of the steps before, and gives the solution and those solutions moved up by
-one. Differentiated, the second part carries the solutions of the steps before for the tangents;
-transposed, it carries those of the steps after for the adjoint: all three begin where their own
-neighbours in time point. The solution does not depend on where it began, but for the tolerance, so
-that the derivative of the first part is a solve again and nothing else.
+side and the solutions of the steps before, and gives the solution and those solutions with it in
+place of the oldest. Differentiated, the second part carries the solutions of the steps before for
+the tangents; transposed, it carries those of the steps after for the adjoint: all three begin
+where their own neighbours in time point. The solution does not depend on where it began, but for
+the tolerance, so that the derivative of the first part is a solve again and nothing else.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def _solve(heat: Array, past: Array, *leaves: Any, shape: Any, transposed: bool)
     # A step of no duration leaves no rate.
     whole = jnp.where(outlook.size > 0, outlook.size, jnp.inf)
     latest = found if transposed else found / whole
-    return found, jnp.concatenate([latest[None], past[:-1]]), fine
+    return found, past.at[outlook.place].set(latest), fine
 
 
 _solve_p: Any = Primitive("warm_solve")

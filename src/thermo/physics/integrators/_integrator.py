@@ -71,7 +71,8 @@ def _increment(
 @_increment.def_jvp
 def _(primals: Any, tangents: Any) -> Any:
     stage, about, past, matrix, solver, outlook = primals
-    value, past, fine = _increment(stage, about, past, matrix, solver, outlook)
+    # Not by `_increment` itself, or the reverse pass would not find the solve that it may keep.
+    value, past, fine = warm_solve(matrix, missing_heat(*stage), past, solver, outlook)
     change, turned, before, *_ = tangents
     lacking = jnp.zeros_like(value)
     if any(leaf is not None for leaf in jax.tree.leaves((change, turned))):
@@ -79,7 +80,7 @@ def _(primals: Any, tangents: Any) -> Any:
         # Matrix and heat are differentiated in one, which takes half the products.
         held = jax.lax.stop_gradient(value)
         _, lacking = eqx.filter_jvp(
-            lambda s, at: missing_heat(*s, Rise(held, at)), (stage, about), (change, turned)
+            lambda s, at: missing_heat(*s, rise=Rise(held, at)), (stage, about), (change, turned)
         )
     before = jnp.zeros_like(past) if before is None else before
     tangent, after, _ = warm_solve(matrix, lacking, before, solver, outlook)
