@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from thermo.mesh import Mesh, ball_mesh, mesh_from_cells, promote
+from thermo.observe import Heater
 
 RADIUS = 0.03
 SHELLS = {"s3k": 9, "s12k": 15, "s50k": 24, "s200k": 39, "s1m": 67}
@@ -27,6 +28,7 @@ class Problem:
 
     - `mesh`: [m]; `capacity` [J/m3/K]; `conductivity` [W/m/K] where a fit would begin, and
       `other`, that of the target, (cells,); `steps` of SIZE [s].
+    - `start`, `surroundings`: [K]; `lamp`: one that shines at first, or None.
     """
 
     name: str
@@ -35,6 +37,9 @@ class Problem:
     conductivity: np.ndarray
     other: np.ndarray
     steps: int
+    start: float = START
+    surroundings: float = SURROUNDINGS
+    lamp: Heater | None = None
 
 
 def make_problem(name: str, steps: int, meshes: str | None = None) -> Problem:

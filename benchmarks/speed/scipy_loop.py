@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 import skfem
-from problem import CONVECTION, EMISSIVITY, SIZE, START, SURROUNDINGS, Problem
+from problem import CONVECTION, EMISSIVITY, SIZE, Problem
 from skfem.helpers import dot, grad
 
 from thermo.physics.effects import STEFAN_BOLTZMANN
@@ -90,9 +90,23 @@ class Loop:
         shape = (len(self.surface_slot), faces * points)
         self.to_entries = sp.csr_matrix((value[keep], (place, at[keep])), shape=shape)
         self.nodes = np.unique(self.at_points.indices)
-        self.load = self.to_nodes @ (
-            self.weight * (CONVECTION * SURROUNDINGS + RADIATING * SURROUNDINGS**4)
-        )
+        away = self.problem.surroundings
+        self.load = self.to_nodes @ (self.weight * (CONVECTION * away + RADIATING * away**4))
+        self.lamp = self._lamp(rim)
+
+    def _lamp(self, rim: skfem.FacetBasis) -> np.ndarray | None:
+        """Heat [W] of the lamp at each node, spread as a Gaussian over what faces it."""
+        lamp = self.problem.lamp
+        if lamp is None:
+            return None
+        place = np.moveaxis(np.asarray(rim.global_coordinates()), 0, -1)
+        normal = np.moveaxis(np.asarray(rim.normals), 0, -1)
+        axis = lamp.direction / np.linalg.norm(lamp.direction)
+        offset = place - lamp.centre
+        across = offset - (offset @ axis)[..., None] * axis
+        share = np.exp(-(across**2).sum(-1) / (2 * lamp.radius**2)) * np.maximum(-normal @ axis, 0)
+        spread = share.ravel() * self.weight
+        return lamp.power * (self.to_nodes @ spread) / spread.sum()
 
     def _find(self, rows: np.ndarray, columns: np.ndarray, missing: int | None = None):
         key = rows.astype(np.int64) * self.count + columns
@@ -140,13 +154,15 @@ class Loop:
     def forward(self, conductivity: np.ndarray, history: list | None = None) -> np.ndarray:
         """Surface temperatures [K] after each step, (steps, surface nodes)."""
         constant = self._constant(conductivity)
-        old = before = np.full(self.count, START)
+        old = before = np.full(self.count, self.problem.start)
         surface = np.empty((self.problem.steps, len(self.nodes)))
         for step in range(self.problem.steps):
             data, extra = self._step(constant, old)
             if history is not None:
                 history.append(old)
             right = self.mass_matrix @ old + self.load + extra
+            if self.lamp is not None and (step + 0.5) * SIZE < self.problem.lamp.until:
+                right += self.lamp
             new = self._solve(data, right, 2 * old - before)
             before, old = old, new
             surface[step] = old[self.nodes]

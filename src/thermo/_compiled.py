@@ -1,0 +1,49 @@
+"""Compiled programs kept on disk, so that the same kind of run compiles once on a machine."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+from pathlib import Path
+
+import jax
+
+SHORTEST = 0.3
+"""Seconds of compiling from which a program is kept."""
+
+
+def _machine() -> str:
+    """A name for this kind of processor: programs for another one may not run here."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    features = next((line for line in lines if line.lower().startswith(("flags", "features"))), "")
+    return f"{platform.machine()}-{hashlib.sha256(features.encode()).hexdigest()[:12]}"
+
+
+def compiled_cache() -> Path:
+    """`thermofield/compiled` in $XDG_CACHE_HOME, or in ~/.cache, by kind of processor."""
+    stated = os.environ.get("XDG_CACHE_HOME", "")
+    base = Path(stated) if stated else Path.home() / ".cache"
+    return base / "thermofield" / "compiled" / _machine()
+
+
+def keep_compiled() -> None:
+    """Let JAX keep what it compiles; a folder that the user chose for it, or none, stays.
+
+    $JAX_ENABLE_COMPILATION_CACHE=false turns it off. A folder that cannot be written is passed
+    over.
+    """
+    chosen = jax.config.jax_compilation_cache_dir  # pyright: ignore[reportAttributeAccessIssue]
+    if chosen is not None:
+        return
+    try:
+        folder = compiled_cache()
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, RuntimeError):
+        return
+    if os.access(folder, os.W_OK):
+        jax.config.update("jax_compilation_cache_dir", str(folder))
+        jax.config.update("jax_persistent_cache_min_compile_time_secs", SHORTEST)

@@ -1,0 +1,61 @@
+"""Compiled programs on disk: kept by default, where the user says, or not at all."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SCRIPT = """
+import jax, jax.numpy as jnp
+import thermo
+from thermo.mesh import box_mesh
+from thermo.physics import Model, discretise, solve_heat, uniform_steps
+from thermo.physics.integrators import Sdirk2
+import equinox as eqx, numpy as np
+space = discretise(box_mesh((0.02, 0.02, 0.01), (3, 3, 2)))
+cells = len(space.mesh.cells)
+model = Model(space, jnp.full(cells, 1.0), jnp.full(cells, 1e6))
+start = jnp.full(len(space.mesh.nodes), 300.0)
+eqx.filter_jit(solve_heat)(model, start, uniform_steps(np.array([1.0]), 0.5), integrator=Sdirk2())
+print(jax.config.jax_compilation_cache_dir)
+"""
+
+
+def run(home: Path, **environment: str) -> str:
+    """The folder that the process kept its programs in, as it says."""
+    kept = {k: v for k, v in os.environ.items() if not k.startswith(("JAX_", "XDG_"))}
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT],
+        env={**kept, "XDG_CACHE_HOME": str(home), **environment},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return done.stdout.strip()
+
+
+def test_programs_are_kept_in_the_users_cache(tmp_path: Path) -> None:
+    folder = Path(run(tmp_path))
+    assert folder.parent == tmp_path / "thermofield" / "compiled"
+    assert any(folder.iterdir())
+
+
+def test_the_users_own_folder_counts(tmp_path: Path) -> None:
+    chosen = tmp_path / "mine"
+    assert run(tmp_path, JAX_COMPILATION_CACHE_DIR=str(chosen)) == str(chosen)
+    assert not (tmp_path / "thermofield").exists()
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may write anywhere")
+def test_a_folder_that_cannot_be_written_is_passed_over(tmp_path: Path) -> None:
+    tmp_path.chmod(0o500)
+    assert run(tmp_path) == "None"
+
+
+def test_a_file_in_the_way_is_passed_over(tmp_path: Path) -> None:
+    (tmp_path / "thermofield").write_text("")
+    assert run(tmp_path) == "None"
