@@ -4,13 +4,14 @@ BIN := .venv/bin
 STAMP := .venv/.installed
 DEMO := outputs/demo
 
-.PHONY: help setup test lint demo clean distclean
+.PHONY: help setup test lint demo bench bench-full clean distclean
 
 help:
 	@echo "make setup      install the package and its tools into .venv"
 	@echo "make test       lint, types and tests"
 	@echo "make lint       lint and types only"
 	@echo "make demo       recover the conductivity of the bracket and predict a held-out run"
+	@echo "make bench      time the solver beside a SciPy loop (bench-full: large bodies as well)"
 	@echo "make clean      remove outputs and caches (distclean: .venv as well)"
 
 setup: $(STAMP)
@@ -36,6 +37,12 @@ demo: $(STAMP)
 	$(BIN)/thermo predict data=examples/bracket estimate=$(DEMO)/invert 'runs=[test_heating]' out=$(DEMO)/predict
 	@echo "Pictures:"
 	@find $(DEMO)/invert $(DEMO)/predict -name '*.png' | sort | sed 's/^/  /'
+
+bench: $(STAMP)
+	$(BIN)/python benchmarks/speed/run.py
+
+bench-full: $(STAMP)
+	$(BIN)/python benchmarks/speed/run.py --full
 
 clean:
 	rm -rf outputs multirun build dist .pytest_cache .ruff_cache .hypothesis

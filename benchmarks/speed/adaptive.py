@@ -82,7 +82,7 @@ def main() -> None:
     """Run both and print what they cost."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--data", type=Path, required=True)
-    parser.add_argument("--tolerance", type=float, default=5e-3, help="of a planned step [K]")
+    parser.add_argument("--tolerance", type=float, default=1e-3, help="of a planned step [K]")
     given = parser.parse_args()
     scene = read_scene(given.data / "scenes" / "bunny")
     heating = scene.runs["heating"]

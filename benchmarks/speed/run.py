@@ -56,24 +56,25 @@ UNITS = (("cpu_ms_per_step", "ms/step"), ("cpu_s", "s"), ("compile_s", "s compil
          ("peak_gb", "GB"), ("diff_K", "K"), ("gradient_error", "of gradient"))  # fmt: skip
 
 
-def measure(script: str, *arguments: str) -> dict[str, Any] | None:
-    """What one process printed; None, with a line of why, where it failed."""
+def measure(script: str, *arguments: str) -> list[dict[str, Any]]:
+    """What one process printed; nothing, but a line of why, where it failed."""
     command = [sys.executable, str(HERE / script), *arguments]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         reason = (done.stderr.strip() or f"exit code {done.returncode}").splitlines()[-1]
         print(f"left out: {' '.join(arguments[:4])}: {reason}", flush=True)
-        return None
-    return json.loads(done.stdout.strip().splitlines()[-1])
+        return []
+    return [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
 
 
-def show(record: dict[str, Any]) -> None:
-    """One line of the table."""
-    cells = [f"{record['problem']:24}{record['who']:9}{record['task']:18}"]
-    for name, unit in UNITS:
-        if record.get(name) is not None:
-            cells.append(f"{record[name]:9.3g} {unit}")
-    print("  ".join(cells), flush=True)
+def show(*records: dict[str, Any]) -> None:
+    """A line of the table for each."""
+    for record in records:
+        cells = [f"{record['problem']:24}{record['who']:9}{record['task']:18}"]
+        for name, unit in UNITS:
+            if record.get(name) is not None:
+                cells.append(f"{record[name]:9.3g} {unit}")
+        print("  ".join(cells), flush=True)
 
 
 def compare(name: str, steps: int, tasks: tuple[str, ...], given: Any, folder: Path) -> list[dict]:
@@ -90,9 +91,20 @@ def compare(name: str, steps: int, tasks: tuple[str, ...], given: Any, folder: P
         both = ("scipy", "thermo") if task in ("forward", "gradient") and not large else ("thermo",)
         for who in both:
             found = measure("measure.py", name, str(steps), who, task, *reference, *where)
-            if found is not None:
-                records.append(found)
-                show(found)
+            records += found
+            show(*found)
+    return records
+
+
+def adaptive(data: str | None) -> list[dict]:
+    """The bunny's minute of heating, where its recording is at hand."""
+    folder = Path(data or HERE.parents[1] / "data")
+    if not (folder / "scenes" / "bunny").exists():
+        print(f"left out: bunny-heating-adaptive: no scenes/bunny in {folder}; "
+              "name its folder with THERMOFIELD_DATA")  # fmt: skip
+        return []
+    records = measure("adaptive.py", "--data", str(folder))
+    show(*records)
     return records
 
 
@@ -137,10 +149,14 @@ def main() -> None:
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NPROC"):
         os.environ[name] = "1"
     begun, records = time.monotonic(), []
+    # Each compiles for itself, so that the seconds of compiling are those of a new machine.
+    os.environ["JAX_ENABLE_COMPILATION_CACHE"] = "false"
     with tempfile.TemporaryDirectory() as place:
         for name, steps, tasks in FULL if given.full else QUICK:
             if given.only in name:
                 records += compare(name, steps, tasks, given, Path(place))
+    if given.only in "bunny-heating-adaptive":
+        records += adaptive(os.environ.get("THERMOFIELD_DATA"))
     RESULTS.mkdir(exist_ok=True)
     for record in records:
         record["mesh"] = "given" if given.meshes else "structured"
@@ -152,11 +168,9 @@ def main() -> None:
             {k: f"{v:.4g}" if isinstance(v, float) else v for k, v in r.items()} for r in records
         )
     picture(records, RESULTS / "speed.png")
-    theirs = {
-        (r["problem"], r["steps"], r["task"]): r["cpu_s"] for r in records if r["who"] == "scipy"
-    }
+    theirs = {(r["problem"], r["task"]): r["cpu_s"] for r in records if r["who"] == "scipy"}
     for record in records:
-        loop = theirs.get((record["problem"], record["steps"], record["task"]))
+        loop = theirs.get((record["problem"], record["task"]))
         if loop is not None and record["who"] != "scipy":
             ratio = record["cpu_s"] / loop
             print(f"{record['problem']} {record['task']}: {ratio:.2f} of the SciPy loop's")

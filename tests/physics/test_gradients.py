@@ -11,12 +11,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from jax.extend.core import jaxprs_in_params
 
 from thermo.mesh import box_mesh, promote
 from thermo.physics import (
     AbstractAdjoint,
     ConjugateGradient,
     Discretisation,
+    ForwardOnly,
     Model,
     RecomputeSegments,
     StoreSteps,
@@ -198,6 +200,62 @@ def test_batch_of_tangents_equals_single_ones() -> None:
         assert float(jnp.abs(alone).max()) > 1e-3
         tolerance = 1e-11 * float(jnp.abs(alone).max())
         np.testing.assert_allclose(together[..., column], alone, rtol=0, atol=tolerance)
+
+
+@pytest.mark.parametrize("scheme", list(INTEGRATORS))
+def test_tangents_side_by_side_equal_those_of_a_plain_batch(scheme: str) -> None:
+    names = ("ambient", "power", "source", "capacity")
+    integrator = INTEGRATORS[scheme]
+    given = inputs(ORDERS[type(integrator)])
+
+    def frames(factor: jax.Array, adjoint: AbstractAdjoint) -> jax.Array:
+        changed = {name: given[name] * factor[i] for i, name in enumerate(names)}
+        return temperatures(given | changed, integrator, adjoint)
+
+    ones = jnp.ones(len(names))
+    plain, wide = (
+        jax.jit(jax.jacfwd(lambda f, a=adjoint: frames(f, a)))(ones)
+        for adjoint in (StoreSteps(), ForwardOnly())
+    )
+    for column in range(len(names)):
+        scale = float(jnp.abs(plain[..., column]).max())
+        assert scale > 1e-3
+        np.testing.assert_allclose(
+            wide[..., column], plain[..., column], rtol=0, atol=1e-10 * scale
+        )
+
+
+def test_a_batch_of_runs_may_be_forward_only() -> None:
+    given = inputs(1)
+
+    def pushed(power: jax.Array) -> tuple[jax.Array, jax.Array]:
+        def run(value: jax.Array) -> jax.Array:
+            return temperatures(given | {"power": value}, Sdirk2(), ForwardOnly())
+
+        return jax.jvp(run, (power,), (jnp.ones(()),))
+
+    powers = jnp.array([1.0, 4.0])
+    together = jax.jit(jax.vmap(pushed))(powers)
+    for number, power in enumerate(powers):
+        for many, one in zip(together, pushed(power), strict=True):
+            np.testing.assert_allclose(many[number], one, rtol=0, atol=1e-9)
+
+
+def solves_in(jaxpr: Any) -> list[bool]:
+    """For each linear solve that a program writes down, whether it is one of an adjoint."""
+    found = []
+    for equation in jaxpr.eqns:
+        if equation.primitive.name == "warm_solve":
+            found.append(equation.params["transposed"])
+        for inner in jaxprs_in_params(equation.params):
+            found += solves_in(inner)
+    return found
+
+
+def test_the_reverse_pass_repeats_no_solve() -> None:
+    program = jax.make_jaxpr(jax.grad(lambda given: loss(given, Sdirk2(), StoreSteps())))(inputs(1))
+    solves = solves_in(program.jaxpr)
+    assert solves.count(False) == Sdirk2().solves() == solves.count(True)
 
 
 def test_a_run_is_traced_once() -> None:

@@ -14,7 +14,7 @@ import jax
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from thermo.physics._balance import assemble
+from thermo.physics._balance import Balance, assemble
 from thermo.physics._conjugate_gradient import ConjugateGradient
 from thermo.physics._model import Model
 from thermo.physics.integrators import Sdirk2, step_with_error
@@ -85,13 +85,12 @@ def _inside(switches: Sequence[float], frames: Float[np.ndarray, " frames"]) -> 
 @eqx.filter_jit
 def _try_step(
     scheme: Sdirk2,
-    model: Model,
+    balance: Balance,
     temperature: Float[Array, " nodes"],
     start: Float[Array, ""],
     size: Float[Array, ""],
     solver: ConjugateGradient,
 ) -> tuple[Float[Array, " nodes"], Float[Array, ""]]:
-    balance = assemble(model)
     new, error = step_with_error(scheme, balance, temperature, start, size, solver)
     return new, error.max()
 
@@ -123,6 +122,7 @@ def plan_steps(
     jumps = _inside(switches, frames)
     stops = np.unique(np.append(jumps, frames))
     solver = ConjugateGradient(rtol=1e-5)
+    balance = eqx.filter_jit(assemble)(model)
     smallest = 1e-4 * min(largest, float(frames[-1]))
     time, temperature, size = 0.0, initial, 10 * smallest
     ends: list[float] = []
@@ -131,7 +131,7 @@ def plan_steps(
         goal = float(min(reach, stops[np.searchsorted(stops, time + 1e-9)]))
         length = goal - time
         new, error = _try_step(
-            scheme, model, temperature, jax.numpy.asarray(time), jax.numpy.asarray(length), solver
+            scheme, balance, temperature, jax.numpy.asarray(time), jax.numpy.asarray(length), solver
         )
         ratio = float(error) / tolerance
         size = length * float(np.clip(SAFETY * max(ratio, 1e-9) ** (-1 / 3), SHRINK, GROW))
