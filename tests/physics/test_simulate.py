@@ -13,6 +13,7 @@ from thermo.physics import (
     ConjugateGradient,
     Model,
     ReadOut,
+    TimeGrid,
     assemble,
     discretise,
     solve_heat,
@@ -103,3 +104,21 @@ def test_conjugate_gradient_meets_its_tolerance(rtol: float) -> None:
         assert (rest**2 @ weight) <= (1.01 * rtol) ** 2 * (scale**2 @ weight) + 1e-28
     alone = np.asarray(jax.jit(solve)(heat[0]))
     np.testing.assert_allclose(alone, together[0], atol=10 * rtol * np.abs(exact[0]).max())
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_even_steps_share_their_matrix_and_give_the_same(held: bool) -> None:
+    model = bar(held=held)
+    initial = jnp.full(len(model.space.mesh.nodes), 300.0)
+    even = uniform_steps(np.array([5.0, 10.0]), 0.5)
+    assert even.even
+    odd = TimeGrid(even.start, even.size, even.frame_step, even.frame_time)
+    assert not odd.even
+    assert not uniform_steps(FRAMES, 0.7).even
+    tight = ConjugateGradient(rtol=1e-12)
+    found, expected = (
+        simulate(model, initial, grid, integrator=Sdirk2(), solver=tight).temperature
+        for grid in (even, odd)
+    )
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
+    assert np.ptp(found) > 2

@@ -1,10 +1,11 @@
 """The heat equation on tetrahedra: operators, effects, integrators, simulation."""
 
-from thermo.physics._adjoint import AbstractAdjoint, ForwardOnly, RecomputeSegments, StoreSteps
+from thermo.physics._adjoint import AbstractAdjoint, RecomputeSegments, StoreSteps
 from thermo.physics._balance import Balance, assemble, heat_rate, step_matrix, stored_heat
 from thermo.physics._between_steps import between_steps
 from thermo.physics._conjugate_gradient import ConjugateGradient
 from thermo.physics._discretisation import Discretisation, discretise
+from thermo.physics._forward_only import ForwardOnly
 from thermo.physics._model import Model
 from thermo.physics._readout import ReadOut, every_node
 from thermo.physics._simulate import Solution, solve_heat

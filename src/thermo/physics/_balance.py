@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from thermo.physics._diagonal_product import diagonal_product
 from thermo.physics._discretisation import (
     diagonal_of,
     mass,
@@ -17,7 +18,7 @@ from thermo.physics._discretisation import (
     surface_mass,
     volume_load,
 )
-from thermo.physics._edge_product import diagonal_product, difference_product, edge_product
+from thermo.physics._edge_product import difference_product, edge_product
 from thermo.physics._exchange import exchange, plain_exchange, slope_of
 from thermo.physics._model import Model
 from thermo.physics._pattern import Rows, add_surface, expand, scale_rows

@@ -17,6 +17,7 @@ from jax.extend.core import Primitive
 from jax.interpreters import ad, batching, mlir
 from jaxtyping import Array, Float
 
+from thermo.physics._diagonal_product import diagonal_product
 from thermo.physics._pattern import Pattern, Rows, row_product
 
 
@@ -117,61 +118,6 @@ ad.primitive_jvps[_product_p] = _jvp
 ad.primitive_transposes[_product_p] = _transpose
 batching.primitive_batchers[_product_p] = _batch
 mlir.register_lowering(_product_p, mlir.lower_fun(_rows, multiple_results=False))
-
-
-def _scaled(factor: Array, vector: Array) -> Array:
-    batch = max(factor.ndim, vector.ndim)
-    return jnp.expand_dims(factor, range(factor.ndim, batch)) * jnp.expand_dims(
-        vector, range(vector.ndim, batch)
-    )
-
-
-_scale_p: Any = Primitive("diagonal_product")
-_scale_p.def_impl(jax.jit(_scaled))
-
-
-@_scale_p.def_abstract_eval
-def _scaled_shape(factor: Any, vector: Any) -> Any:
-    wide = factor if len(factor.shape) > len(vector.shape) else vector
-    return ShapedArray(wide.shape, jnp.result_type(factor, vector))
-
-
-def _scale_transpose(given: Any, factor: Any, vector: Any) -> Any:
-    known, asked = (vector, factor) if ad.is_undefined_primal(factor) else (factor, vector)
-    back = _scale_p.bind(known, given)
-    # What served a whole batch answers for all of it.
-    back = back if asked.aval.ndim == back.ndim else back.sum(range(asked.aval.ndim, back.ndim))
-    return (back, None) if ad.is_undefined_primal(factor) else (None, back)
-
-
-def _scale_batch(arguments: Any, axes: Any) -> Any:
-    moved = [
-        a if x is None else jnp.moveaxis(a, x, -1) for a, x in zip(arguments, axes, strict=True)
-    ]
-    depth = max(a.ndim - (x is not None) for a, x in zip(moved, axes, strict=True))
-    # A batch of batches: the new axis is last, whatever the others have.
-    full = []
-    for a, axis in zip(moved, axes, strict=True):
-        missing = 0 if axis is None else depth + 1 - a.ndim
-        full.append(jnp.expand_dims(a, range(a.ndim - 1, a.ndim - 1 + missing)))
-    return _scale_p.bind(*full), depth
-
-
-ad.defjvp(
-    _scale_p,
-    lambda change, factor, vector: _scale_p.bind(change, vector),
-    lambda change, factor, vector: _scale_p.bind(factor, change),
-)
-ad.primitive_transposes[_scale_p] = _scale_transpose
-batching.primitive_batchers[_scale_p] = _scale_batch
-mlir.register_lowering(_scale_p, mlir.lower_fun(_scaled, multiple_results=False))
-
-
-def diagonal_product(
-    diagonal: Float[Array, " nodes"], vector: Float[Array, " nodes"]
-) -> Float[Array, " nodes"]:
-    """Diagonal matrix times vector; a batch stays beside the nodes, unlike with a plain product."""
-    return _scale_p.bind(diagonal, vector)
 
 
 def edge_product(
