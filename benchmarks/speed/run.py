@@ -44,6 +44,9 @@ FULL = (
     ("s50k-alu", STEPS, ("forward", "gradient")),
     ("s12k-tet10-rock", STEPS, ("forward",)),
     ("s12k-tet10-alu", FEW, ("forward",)),
+    ("s3k-rock", FEW, ("forward", "gradient")),
+    ("s12k-rock", FEW, ("forward", "gradient")),
+    ("s50k-rock", FEW, ("forward", "gradient")),
     ("s200k-rock", FEW, ("forward", "gradient")),
     ("s1m-rock", FEW, ("forward", "gradient-segments")),
 )
@@ -108,8 +111,19 @@ def adaptive(data: str | None) -> list[dict]:
     return records
 
 
+def identity(record: dict[str, Any]) -> tuple:
+    """What a record is of; planned steps stand beside those of the loop, whatever their number."""
+    planned = record["problem"].endswith("adaptive")
+    steps = None if planned else record["steps"]
+    return record["mesh"], record["problem"], steps, record["task"], record["who"]
+
+
 def picture(records: list[dict], path: Path) -> None:
-    """Cost of a step against nodes, poor conductor, and the fitted exponents."""
+    """Cost of a step against nodes, poor conductor, and the fitted exponents.
+
+    Of runs of the same number of steps, since the first ones take the most iterations.
+    """
+    steps = FEW if any(r["steps"] == FEW and r["problem"] == "s1m-rock" for r in records) else STEPS
     figure, axes = plt.subplots(figsize=(5.5, 4), layout="constrained")
     for who in ("scipy", "thermo"):
         for task, style in (("forward", "o-"), ("gradient", "s--")):
@@ -118,6 +132,7 @@ def picture(records: list[dict], path: Path) -> None:
                 for r in records
                 if r["who"] == who
                 and r["task"].removesuffix("-segments") == task
+                and r["steps"] == steps
                 and r["problem"].count("-") == 1
                 and r["problem"].endswith("rock")
             ]
@@ -127,7 +142,7 @@ def picture(records: list[dict], path: Path) -> None:
                 rate = np.polyfit(np.log(nodes), np.log(cost), 1)[0]
                 axes.loglog(nodes, cost, style, label=f"{who}, {task}: {rate:.2f}")
                 print(f"exponent of {who}, {task}: {rate:.2f} over {nodes.tolist()} nodes")
-    axes.set(xlabel="nodes", ylabel="processor time of a step [ms]")
+    axes.set(xlabel="nodes", ylabel=f"processor time of a step of {steps} [ms]")
     axes.legend(title="exponent", fontsize=8)
     figure.savefig(path, dpi=120)
 
@@ -144,7 +159,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="ThermoField beside other solvers.")
     parser.add_argument("--full", action="store_true")
     parser.add_argument("--meshes", help="folder of meshes in place of structured balls")
-    parser.add_argument("--only", default="", help="problems whose names contain this")
+    parser.add_argument(
+        "--only",
+        default="",
+        help="problems whose names contain this; the rest of the results stays",
+    )
     given = parser.parse_args()
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NPROC"):
         os.environ[name] = "1"
@@ -153,14 +172,18 @@ def main() -> None:
     os.environ["JAX_ENABLE_COMPILATION_CACHE"] = "false"
     with tempfile.TemporaryDirectory() as place:
         for name, steps, tasks in FULL if given.full else QUICK:
-            if given.only in name:
+            if given.only in f"{name}-{steps}":
                 records += compare(name, steps, tasks, given, Path(place))
     if given.only in "bunny-heating-adaptive":
         records += adaptive(os.environ.get("THERMOFIELD_DATA"))
-    RESULTS.mkdir(exist_ok=True)
     for record in records:
         record["mesh"] = "given" if given.meshes else "structured"
-    write(RESULTS / "latest.json", json.dumps(records, indent=1) + "\n")
+    RESULTS.mkdir(exist_ok=True)
+    latest = RESULTS / "latest.json"
+    if given.only and latest.exists():
+        fresh = {identity(record) for record in records}
+        records = [r for r in json.loads(latest.read_text()) if identity(r) not in fresh] + records
+    write(latest, json.dumps(records, indent=1) + "\n")
     with (RESULTS / "speed.csv").open("w", newline="") as stream:
         table = csv.DictWriter(stream, FIELDS, extrasaction="ignore")
         table.writeheader()
@@ -168,9 +191,9 @@ def main() -> None:
             {k: f"{v:.4g}" if isinstance(v, float) else v for k, v in r.items()} for r in records
         )
     picture(records, RESULTS / "speed.png")
-    theirs = {(r["problem"], r["task"]): r["cpu_s"] for r in records if r["who"] == "scipy"}
+    theirs = {identity(r)[:-1]: r["cpu_s"] for r in records if r["who"] == "scipy"}
     for record in records:
-        loop = theirs.get((record["problem"], record["task"]))
+        loop = theirs.get(identity(record)[:-1])
         if loop is not None and record["who"] != "scipy":
             ratio = record["cpu_s"] / loop
             print(f"{record['problem']} {record['task']}: {ratio:.2f} of the SciPy loop's")

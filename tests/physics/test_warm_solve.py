@@ -10,8 +10,8 @@ import pytest
 from thermo.mesh import box_mesh
 from thermo.physics import ConjugateGradient, Model, StepMatrix, discretise
 from thermo.physics._balance import assemble, step_matrix
-from thermo.physics._outlook import AHEAD, BACK, DEPTH, MOST, Outlook, outlooks
-from thermo.physics._warm_solve import warm_solve
+from thermo.physics._outlook import AHEAD, BACK, DEPTH, MOST, Memory, Outlook, outlooks
+from thermo.physics._warm_solve import tangent_solve, warm_solve
 
 SPACE = discretise(box_mesh((0.02, 0.02, 0.01), (5, 5, 3)))
 NODES, CELLS = len(SPACE.mesh.nodes), len(SPACE.mesh.cells)
@@ -34,13 +34,18 @@ def random(seed: int, *shape: int) -> jax.Array:
     return jnp.asarray(np.random.default_rng(seed).normal(size=shape))
 
 
+def memory(found: jax.Array, largest: float = 0.0) -> Memory:
+    return Memory(found, jnp.asarray(largest))
+
+
 def test_the_past_holds_the_latest_rate_at_its_place() -> None:
     heat, past = random(0, NODES), random(1, DEPTH, NODES)
-    found, later, fine = warm_solve(matrix(), heat, past, TIGHT, outlook())
+    found, later, fine = warm_solve(matrix(), heat, memory(past), TIGHT, outlook())
     assert bool(fine)
     np.testing.assert_allclose(matrix().mv(found), heat, atol=1e-11)
-    np.testing.assert_allclose(later[1], found / SIZE, rtol=1e-14)
-    np.testing.assert_array_equal(later[::2], past[::2])
+    np.testing.assert_allclose(later.found[1], found / SIZE, rtol=1e-14)
+    np.testing.assert_array_equal(later.found[::2], past[::2])
+    assert float(later.largest) == 0.0
 
 
 @pytest.mark.parametrize("transposed", [False, True])
@@ -54,13 +59,13 @@ def test_a_past_that_points_to_the_solution_leaves_nothing_to_do(transposed: boo
 
     def solve(heat: jax.Array, past: jax.Array, solver: ConjugateGradient) -> jax.Array:
         if not transposed:
-            return warm_solve(matrix(), heat, past, solver, outlook())[0]
+            return warm_solve(matrix(), heat, memory(past), solver, outlook())[0]
 
-        def pair(b: jax.Array, before: jax.Array) -> tuple[jax.Array, jax.Array]:
-            return warm_solve(matrix(), b, before, solver, outlook())[:2]
+        def pair(b: jax.Array, before: Memory) -> tuple[jax.Array, Memory]:
+            return tangent_solve(matrix(), b, before, solver, outlook())[:2]
 
         # The adjoint's past is what the later steps hand back.
-        return jax.linear_transpose(pair, heat, past)((heat, past))[0]
+        return jax.linear_transpose(pair, heat, memory(past))((heat, memory(past)))[0]
 
     for solver in (TIGHT, LOOSE):
         got = solve(heat, past, solver)
@@ -68,23 +73,41 @@ def test_a_past_that_points_to_the_solution_leaves_nothing_to_do(transposed: boo
     assert float(jnp.abs(solve(heat, 0 * past, LOOSE)).max()) == 0.0
 
 
+def test_a_small_tangent_is_known_as_well_as_the_largest_one() -> None:
+    heat, nothing = random(8, NODES), jnp.zeros((DEPTH, NODES))
+    solver, norm = ConjugateGradient(rtol=1e-6), 1 / matrix().diagonal
+    size = float(heat @ (norm * heat))
+    exact = jnp.linalg.solve(matrix().as_matrix(), heat)
+    for factor, largest, digits in ((1.0, 0.0, 1e-6), (1e-3, size, 1e-3), (1e-7, size, 1.0)):
+        found, later, fine = tangent_solve(
+            matrix(), factor * heat, memory(nothing, largest), solver, outlook()
+        )
+        left = factor * heat - matrix().mv(found)
+        assert bool(fine) and float(left @ (norm * left)) <= (1.01e-6) ** 2 * size
+        assert float(jnp.abs(found / factor - exact).max()) < 10 * digits * jnp.abs(exact).max()
+        np.testing.assert_allclose(later.largest, max(largest, factor**2 * size))
+    # What is below the tolerance of the largest one is not solved for at all.
+    assert not np.any(found)
+
+
 def test_batches_equal_single_solves() -> None:
     heat, past = random(4, 3, NODES), random(5, 3, DEPTH, NODES)
 
-    def solve(b: jax.Array, before: jax.Array) -> tuple[jax.Array, jax.Array]:
-        return warm_solve(matrix(), b, before, TIGHT, outlook())[:2]
+    def solve(b: jax.Array, before: jax.Array) -> tuple[jax.Array, Memory]:
+        return tangent_solve(matrix(), b, memory(before), TIGHT, outlook())[:2]
 
     together = jax.jit(jax.vmap(solve))(heat, past)
     shared = jax.jit(jax.vmap(solve, in_axes=(0, None)))(heat, past[0])
     for number in range(3):
         alone = solve(heat[number], past[number])
-        for many, one in zip(together, alone, strict=True):
-            np.testing.assert_allclose(many[number], one, rtol=0, atol=1e-10)
+        many = jax.tree.map(lambda a, i=number: a[i], together)
+        for mine, one in zip(jax.tree.leaves(many), jax.tree.leaves(alone), strict=True):
+            np.testing.assert_allclose(mine, one, rtol=1e-12, atol=1e-10)
         np.testing.assert_allclose(shared[0][number], alone[0], rtol=0, atol=1e-10)
 
 
 def test_batches_of_matrices_are_solved_one_by_one() -> None:
-    heat, past = random(6, NODES), random(7, DEPTH, NODES)
+    heat, past = random(6, NODES), memory(random(7, DEPTH, NODES))
     weights = jnp.array([1.0, 5.0])
     model = Model(SPACE, jnp.full(CELLS, 3.0), jnp.full(CELLS, 2e6))
     balance = assemble(model)

@@ -46,13 +46,15 @@ class ConjugateGradient(eqx.Module):
         matrix: StepMatrix,
         heat: Float[Array, "nodes *batch"],
         guess: Float[Array, "nodes *batch"],
+        least: Float[Array, "*batch"] | float = 0.0,
     ) -> tuple[Float[Array, "nodes *batch"], Bool[Array, ""], Int[Array, ""]]:
         """Solution [K] for right-hand sides [J] from a guess [K], whether it was found, iterations.
 
         The best multiple of the guess is where the iterations begin: a bad one does no harm.
+        A right-hand side whose squared norm is below `least` is solved as if it were that large.
         """
         inverse = (1 / matrix.diagonal).reshape(-1, *(1,) * (heat.ndim - 1))
-        goal = self.rtol**2 * _dot(heat, inverse * heat)
+        goal = self.rtol**2 * jnp.maximum(_dot(heat, inverse * heat), least)
         image = matrix.mv(guess)
         share = _over(_dot(guess, heat), _dot(guess, image))
         residual = heat - share * image

@@ -38,14 +38,28 @@ class Outlook(eqx.Module):
     place: Int[Array, "*steps"]
 
 
-Past = tuple[Float[Array, "depth nodes"], ...]
-"""For each linear solve of a step, what it found in the last steps [K/s], each at its place."""
+@final
+class Memory(eqx.Module):
+    """What a linear solve hands on to the same one of the next step.
+
+    - `found`: the solutions of the last steps, over their lengths, each at its place,
+      (depth, nodes) [K/s].
+    - `largest`: of tangents and adjoints the largest right-hand side so far, squared in the norm
+      of the inverse diagonal; zero for temperatures.
+    """
+
+    found: Float[Array, "depth nodes"]
+    largest: Float[Array, ""]
+
+
+Past = tuple[Memory, ...]
+"""One memory for each linear solve of a step."""
 
 
 def without_past(solves: int, nodes: int) -> tuple[Past, Outlook]:
-    """The past [K/s] and the outlook of a step with no other before it."""
+    """The past and the outlook of a step with no other before it."""
     nothing = jnp.zeros(DEPTH)
-    past = tuple(jnp.zeros((DEPTH, nodes)) for _ in range(solves))
+    past = tuple(Memory(jnp.zeros((DEPTH, nodes)), jnp.zeros(())) for _ in range(solves))
     return past, Outlook(nothing, nothing, jnp.ones(()), jnp.zeros((), jnp.int32))
 
 

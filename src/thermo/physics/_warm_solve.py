@@ -20,68 +20,71 @@ from jax.interpreters import ad, batching, mlir
 from jaxtyping import Array, Bool, Float
 
 from thermo.physics._conjugate_gradient import ConjugateGradient
-from thermo.physics._outlook import Outlook
+from thermo.physics._outlook import Memory, Outlook
 from thermo.physics._step_matrix import StepMatrix
 
+VALUE, TANGENT, ADJOINT = "value", "tangent", "adjoint"
+"""What is solved for; the transpose of a tangent's solve is an adjoint's."""
 
-def _solve(heat: Array, past: Array, *leaves: Any, shape: Any, transposed: bool) -> Any:
+
+Solved = tuple[Float[Array, " nodes"], Memory, Bool[Array, ""]]
+
+
+def _solve(heat: Array, past: Array, largest: Array, *leaves: Any, shape: Any, role: str) -> Any:
     matrix, solver, outlook = jax.tree.unflatten(shape, leaves)
-    weights = outlook.back if transposed else outlook.ahead * outlook.size
-    guess = jnp.tensordot(weights, past, 1)
-    found, fine, _ = solver.solve(matrix, heat, guess)
+    weights = outlook.back if role == ADJOINT else outlook.ahead * outlook.size
+    if role != VALUE:
+        # What decays to nothing within a run need not be known to as many digits of itself.
+        scaled = heat / jnp.expand_dims(matrix.diagonal, range(1, heat.ndim))
+        largest = jnp.maximum(largest, jnp.sum(heat * scaled, axis=0))
+    found, fine, _ = solver.solve(matrix, heat, jnp.tensordot(weights, past, 1), largest)
     # A step of no duration leaves no rate.
     whole = jnp.where(outlook.size > 0, outlook.size, jnp.inf)
-    latest = found if transposed else found / whole
-    return found, past.at[outlook.place].set(latest), fine
+    latest = found if role == ADJOINT else found / whole
+    return found, past.at[outlook.place].set(latest), largest, fine
 
 
 _solve_p: Any = Primitive("warm_solve")
 _solve_p.multiple_results = True
-_solve_p.def_impl(jax.jit(_solve, static_argnames=("shape", "transposed")))
+_solve_p.def_impl(jax.jit(_solve, static_argnames=("shape", "role")))
 
 
 @_solve_p.def_abstract_eval
-def _abstract(heat: Any, past: Any, *leaves: Any, shape: Any, transposed: bool) -> Any:
-    del leaves, shape, transposed
-    return (
-        ShapedArray(heat.shape, heat.dtype),
-        ShapedArray(past.shape, past.dtype),
-        ShapedArray((), jnp.dtype(bool)),
-    )
+def _abstract(heat: Any, past: Any, largest: Any, *leaves: Any, shape: Any, role: str) -> Any:
+    del leaves, shape, role
+    same = tuple(ShapedArray(a.shape, a.dtype) for a in (heat, past, largest))
+    return *same, ShapedArray((), jnp.dtype(bool))
 
 
-def _filled(value: Any) -> Array:
-    return ad.instantiate_zeros(value)
+def _transpose(
+    given: Any, heat: Any, past: Any, largest: Any, *leaves: Any, shape: Any, role: str
+) -> Any:
+    filled = [ad.instantiate_zeros(value) for value in given[:3]]
+    turned = {TANGENT: ADJOINT, ADJOINT: TANGENT}[role]
+    back = _solve_p.bind(*filled, *leaves, shape=shape, role=turned)
+    asked = [ad.is_undefined_primal(value) for value in (heat, past, largest)]
+    known = [value if ask else None for value, ask in zip(back, asked, strict=False)]
+    return [*known, *[None] * len(leaves)]
 
 
-def _transpose(given: Any, heat: Any, past: Any, *leaves: Any, shape: Any, transposed: bool) -> Any:
-    found, later, _ = given
-    back = _solve_p.bind(
-        _filled(found), _filled(later), *leaves, shape=shape, transposed=not transposed
-    )
-    wanted = [ad.is_undefined_primal(value) for value in (heat, past)]
-    pair = [value if ask else None for value, ask in zip(back, wanted, strict=False)]
-    return [*pair, *[None] * len(leaves)]
-
-
-def _batch(arguments: Any, axes: Any, *, shape: Any, transposed: bool) -> Any:
+def _batch(arguments: Any, axes: Any, *, shape: Any, role: str) -> Any:
     size = next(a.shape[x] for a, x in zip(arguments, axes, strict=True) if x is not None)
 
-    def bind(heat: Array, past: Array, *leaves: Any) -> Any:
-        return _solve_p.bind(heat, past, *leaves, shape=shape, transposed=transposed)
+    def bind(*each: Array) -> Any:
+        return _solve_p.bind(*each, shape=shape, role=role)
 
-    if any(axis is not None for axis in axes[2:]) or arguments[0].ndim > 2:
+    if any(axis is not None for axis in axes[3:]) or arguments[0].ndim > 2:
         # Other matrices, or a batch of batches: one after the other is faster than side by side.
         full = [
             jnp.broadcast_to(a, (size, *a.shape)) if x is None else jnp.moveaxis(a, x, 0)
             for a, x in zip(arguments, axes, strict=True)
         ]
-        return jax.lax.map(lambda each: bind(*each), full), (0, 0, 0)
-    heat, past = (
+        return jax.lax.map(lambda each: bind(*each), full), (0, 0, 0, 0)
+    wide = [
         jnp.broadcast_to(a[..., None], (*a.shape, size)) if x is None else jnp.moveaxis(a, x, -1)
-        for a, x in zip(arguments[:2], axes[:2], strict=True)
-    )
-    return bind(heat, past, *arguments[2:]), (1, 2, None)
+        for a, x in zip(arguments[:3], axes[:3], strict=True)
+    ]
+    return bind(*wide, *arguments[3:]), (1, 2, 0, None)
 
 
 ad.primitive_transposes[_solve_p] = _transpose
@@ -89,16 +92,44 @@ batching.primitive_batchers[_solve_p] = _batch
 mlir.register_lowering(_solve_p, mlir.lower_fun(_solve, multiple_results=True))
 
 
+def _bind(
+    role: str,
+    matrix: StepMatrix,
+    heat: Array,
+    past: Memory,
+    solver: ConjugateGradient,
+    outlook: Outlook,
+) -> Solved:
+    leaves, shape = jax.tree.flatten((matrix, solver, outlook))
+    parts = (heat, past.found, past.largest)
+    found, steps, largest, fine = _solve_p.bind(*parts, *leaves, shape=shape, role=role)
+    return found, Memory(steps, largest), fine
+
+
 def warm_solve(
     matrix: StepMatrix,
     heat: Float[Array, " nodes"],
-    past: Float[Array, "depth nodes"],
+    past: Memory,
     solver: ConjugateGradient,
     outlook: Outlook,
-) -> tuple[Float[Array, " nodes"], Float[Array, "depth nodes"], Bool[Array, ""]]:
+) -> Solved:
     """Solution [K] for a right-hand side [J], the past of the next step, and whether it converged.
 
-    Linear in `heat` and `past` together, and its own transpose.
+    It has no derivative of its own: `tangent_solve` is part of that.
     """
-    leaves, shape = jax.tree.flatten((matrix, solver, outlook))
-    return tuple(_solve_p.bind(heat, past, *leaves, shape=shape, transposed=False))
+    return _bind(VALUE, matrix, heat, past, solver, outlook)
+
+
+def tangent_solve(
+    matrix: StepMatrix,
+    heat: Float[Array, " nodes"],
+    past: Memory,
+    solver: ConjugateGradient,
+    outlook: Outlook,
+) -> Solved:
+    """The same for a tangent, linear in `heat` and `past` together; its transpose is an adjoint's.
+
+    The tolerance is relative to the largest right-hand side of the run so far: tangents matter
+    beside each other, and what has decayed to nothing need not be known to digits of its own.
+    """
+    return _bind(TANGENT, matrix, heat, past, solver, outlook)

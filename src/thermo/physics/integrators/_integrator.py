@@ -12,9 +12,9 @@ from jaxtyping import Array, Bool, Float
 
 from thermo.physics._balance import Balance, Rise, equivalent, missing_heat, step_matrix
 from thermo.physics._conjugate_gradient import ConjugateGradient
-from thermo.physics._outlook import Outlook, Past
+from thermo.physics._outlook import Memory, Outlook, Past
 from thermo.physics._step_matrix import StepMatrix
-from thermo.physics._warm_solve import warm_solve
+from thermo.physics._warm_solve import tangent_solve, warm_solve
 from thermo.physics.effects._effect import Time
 
 Step = tuple[Float[Array, " nodes"], Past, Bool[Array, ""]]
@@ -59,7 +59,7 @@ def within(start: Time, size: Time, share: float) -> Time:
 def _increment(
     stage: Any,
     about: Float[Array, " nodes"] | None,
-    past: Float[Array, "depth nodes"],
+    past: Memory,
     matrix: StepMatrix,
     solver: ConjugateGradient,
     outlook: Outlook,
@@ -82,8 +82,10 @@ def _(primals: Any, tangents: Any) -> Any:
         _, lacking = eqx.filter_jvp(
             lambda s, at: missing_heat(*s, rise=Rise(held, at)), (stage, about), (change, turned)
         )
-    before = jnp.zeros_like(past) if before is None else before
-    tangent, after, _ = warm_solve(matrix, lacking, before, solver, outlook)
+    before = jax.tree.map(
+        lambda a, b: jnp.zeros_like(a) if b is None else b, past, before, is_leaf=eqx.is_array
+    )
+    tangent, after, _ = tangent_solve(matrix, lacking, before, solver, outlook)
     return (value, past, fine), (tangent, after, None)
 
 
