@@ -115,7 +115,8 @@ def heat_rate(
     if model.surface:
         value, about = (None, None) if rise is None else (rise.value, rise.about)
         local = tuple(effect for effect in model.surface if effect.local())
-        rate = rate + exchange(space, local, time, temperature, value, about)
+        if local:
+            rate = rate + exchange(space, local, time, temperature, value, about)
         distant = tuple(effect for effect in model.surface if not effect.local())
         if distant:
             rate = rate + plain_exchange(space, distant, time, temperature, value, about)
