@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import final
 
 import equinox as eqx
-import jax
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
@@ -124,14 +124,16 @@ def plan_steps(
     solver = ConjugateGradient(rtol=1e-5)
     balance = eqx.filter_jit(assemble)(model)
     smallest = 1e-4 * min(largest, float(frames[-1]))
-    time, temperature, size = 0.0, initial, 10 * smallest
+    # Weakly typed, as a filled array is, the first step would be compiled apart from the others.
+    temperature = jnp.asarray(initial, float)
+    time, size = 0.0, 10 * smallest
     ends: list[float] = []
     while time < frames[-1] - 1e-9:
         reach = time + min(size, largest)
         goal = float(min(reach, stops[np.searchsorted(stops, time + 1e-9)]))
         length = goal - time
         new, error = _try_step(
-            scheme, balance, temperature, jax.numpy.asarray(time), jax.numpy.asarray(length), solver
+            scheme, balance, temperature, jnp.asarray(time), jnp.asarray(length), solver
         )
         ratio = float(error) / tolerance
         size = length * float(np.clip(SAFETY * max(ratio, 1e-9) ** (-1 / 3), SHRINK, GROW))
