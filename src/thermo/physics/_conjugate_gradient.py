@@ -54,27 +54,25 @@ class ConjugateGradient(eqx.Module):
         A right-hand side whose squared norm is below `least` is solved as if it were that large.
         """
         inverse = (1 / matrix.diagonal).reshape(-1, *(1,) * (heat.ndim - 1))
-        goal = self.rtol**2 * jnp.maximum(_dot(heat, inverse * heat), least)
-        image = matrix.mv(guess)
-        share = _over(_dot(guess, heat), _dot(guess, image))
-        residual = heat - share * image
-        z = inverse * residual
-        rz = _dot(residual, z)
+        whole = _dot(heat, inverse * heat)
+        goal = self.rtol**2 * jnp.maximum(whole, least)
 
         def unfinished(carry: Any) -> Bool[Array, ""]:
             *_, rz, step = carry
-            return jnp.any(rz > goal) & (step < self.max_steps)
+            # The first iteration moves along the guess: one product is written out, not two.
+            return (step < 0) | (jnp.any(rz > goal) & (step < self.max_steps))
 
         def body(carry: Any) -> Any:
             x, r, p, rz, step = carry
             q = matrix.mv(p)
             # A column that has met its goal stands still.
-            alpha = jnp.where(rz > goal, _over(rz, _dot(p, q)), 0.0)
+            alpha = jnp.where((step < 0) | (rz > goal), _over(_dot(p, r), _dot(p, q)), 0.0)
             x, r = x + alpha * p, r - alpha * q
             z = inverse * r
             new = _dot(r, z)
-            return x, r, z + _over(new, rz) * p, new, step + 1
+            beta = jnp.where(step < 0, 0.0, _over(new, rz))
+            return x, r, z + beta * p, new, step + 1
 
-        start = (share * guess, residual, z, rz, jnp.zeros((), jnp.int32))
+        start = (jnp.zeros_like(heat), heat, guess, whole, jnp.full((), -1, jnp.int32))
         x, _, _, rz, steps = jax.lax.while_loop(unfinished, body, start)
         return x, jnp.all(rz <= goal), steps

@@ -85,7 +85,7 @@ def _stages(
     matrix = step_matrix(balance, temperature, weight)
     old = equivalent(balance, temperature)
 
-    guess, base, about = temperature, old, None
+    guess, base, about = temperature, None, None
     found, converged, rises = (), jnp.asarray(True), []
     value = temperature
     for number, share in enumerate((GAMMA, 1.0)):
