@@ -33,9 +33,7 @@ def _rows(
     vector = vector.reshape(*vector.shape, *(1,) * (batch + 1 - vector.ndim))
     # Padded entries point past the last edge, at zero.
     edges = jnp.concatenate([edges, jnp.zeros((1, *edges.shape[1:]), edges.dtype)])
-    return row_product(
-        pattern, None, pattern.source, vector, differences=differences, weight=lambda e: edges[e]
-    )
+    return row_product(pattern, None, pattern.source, vector, differences=differences, lookup=edges)
 
 
 _product_p: Any = Primitive("edge_product")

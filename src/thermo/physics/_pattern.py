@@ -11,7 +11,6 @@ edges on the surface apart, so that radiation changes one block and leaves the r
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, final
 
 import equinox as eqx
@@ -21,16 +20,13 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int, Shaped
 
 RUN = 16
-"""Gathers [1] that are written out one after the other; longer rows loop over runs of them."""
+"""The most gathers [1] that are written out one after the other; longer rows loop over runs."""
 
 GATHER_COST = 1000.0
 """Padded entries [1] that are worth one gather less to compile."""
 
-Block = tuple[
-    Shaped[Array | np.ndarray, "_loops run _rows *_batch"],
-    Shaped[Array | np.ndarray, "_rest _rows *_batch"],
-]
-"""Numbers of equally long rows, one column of the block after the other: in runs, and the rest."""
+Block = Shaped[Array | np.ndarray, "_loops _run _rows"]
+"""Numbers of equally long rows, one column of the block after the other, in runs."""
 
 Rows = tuple[Block, ...]
 """The values of a matrix, padded, block by block."""
@@ -94,7 +90,8 @@ def _cut(length: Int[np.ndarray, " nodes"]) -> Int[np.ndarray, " cuts"]:
     """First rows of the groups: the least padding and the fewest gathers, over all groupings."""
     width, rows = np.unique(-length, return_counts=True)
     width, before = -width, np.concatenate([[0], np.cumsum(rows)])
-    gathers = np.where(width < 2 * RUN, width, RUN + width % RUN)
+    loops, gathers = _in_runs(width)
+    width = loops * gathers
     least, origin = np.zeros(len(width) + 1), np.zeros(len(width) + 1, int)
     for end in range(1, len(width) + 1):
         # A group is as wide as its first row.
@@ -120,18 +117,20 @@ def _block(
     length = np.bincount(row - low, minlength=high - low)
     width = int(length.max(initial=0))
     place = np.arange(len(row)) - (np.cumsum(length) - length)[row - low]
-    numbers = np.tile(np.arange(low, high, dtype=np.int32), (width, 1))
+    (loops,), (run,) = _in_runs(np.array([width]))
+    numbers = np.tile(np.arange(low, high, dtype=np.int32), (loops * run, 1))
     numbers[place, row - low] = column
-    held = np.full((width, high - low), padding, np.int32)
+    held = np.full((loops * run, high - low), padding, np.int32)
     held[place, row - low] = edge
-    return _in_runs(numbers), _in_runs(held)
+    return numbers.reshape(loops, run, -1), held.reshape(loops, run, -1)
 
 
-def _in_runs(rows: Int[np.ndarray, "width rows"]) -> Block:
-    width, size = rows.shape
-    # At least one is left over: a sum begins with it.
-    loops = (width - 1) // RUN if width >= 2 * RUN else 0
-    return rows[: loops * RUN].reshape(loops, RUN, size), rows[loops * RUN :]
+def _in_runs(
+    width: Int[np.ndarray, " groups"],
+) -> tuple[Int[np.ndarray, " groups"], Int[np.ndarray, " groups"]]:
+    """Into how many runs rows are cut, and how long these are [1]: evenly, with little padding."""
+    loops = np.maximum(-(-width // RUN), 1)
+    return loops, -(-width // loops)
 
 
 def make_pattern(
@@ -238,38 +237,34 @@ def row_product(
     vector: Float[Array, "nodes *batch"],
     *,
     differences: bool = False,
-    weight: Callable[[Array], Array] = lambda held: held,
+    lookup: Float[Array, "more *many"] | None = None,
 ) -> Float[Array, "nodes *wide"]:
     """Matrix times one vector, or times a batch of them laid out along the last axis.
 
     Arguments:
 
-    - `rows`: what is held for each entry, of which `weight` makes the entry: itself, by default.
+    - `rows`: the entries, or their places in `lookup` where that is given.
     - `differences`: whether an entry multiplies the difference to the row's own value.
     """
     ones = (1,) * (vector.ndim - 1)
+    wide = jnp.broadcast_shapes(vector.shape[1:], () if lookup is None else lookup.shape[1:])
     groups: dict[int, Any] = {}
     for (low, high, _), columns, values in zip(pattern.bounds, pattern.columns, rows, strict=True):
         own = vector[low:high]
 
-        def term(piece: tuple[Array, Array], own: Array = own) -> Array:
-            held, column = piece
-            entry = weight(held)
-            entry = entry.reshape(-1, *ones) if entry.ndim == 1 else entry
-            return entry * (vector[column] - own if differences else vector[column])
-
-        def add(total: Array, pieces: Any, term: Any = term) -> tuple[Array, None]:
-            for piece in zip(*pieces, strict=True):
-                total = total + term(piece)
+        def add(total: Array, run: tuple[Array, Array], own: Array = own) -> tuple[Array, None]:
+            for held, column in zip(*run, strict=True):
+                entry = held.reshape(-1, *ones) if lookup is None else lookup[held]
+                total = total + entry * (vector[column] - own if differences else vector[column])
             return total, None
 
-        (runs, rest), (places, more) = (jax.tree.map(jnp.asarray, two) for two in (values, columns))
         total = groups.get(low)
-        if total is None and diagonal is not None:
-            total = diagonal[low:high].reshape(-1, *ones) * own
-        elif total is None:
-            total, rest, more = term((rest[0], more[0])), rest[1:], more[1:]
-        if len(runs):
-            total, _ = jax.lax.scan(add, total, (runs, places))
-        groups[low] = add(total, (rest, more))[0]
+        if total is None:
+            total = jnp.zeros((high - low, *wide), vector.dtype)
+            total = total if diagonal is None else diagonal[low:high].reshape(-1, *ones) * own
+        runs = (jnp.asarray(values), jnp.asarray(columns))
+        if len(values) == 1:
+            groups[low] = add(total, (runs[0][0], runs[1][0]))[0]
+        else:
+            groups[low], _ = jax.lax.scan(add, total, runs)
     return jnp.concatenate(list(groups.values()))

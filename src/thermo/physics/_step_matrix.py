@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import final
 
 import equinox as eqx
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -33,10 +32,9 @@ class StepMatrix(eqx.Module):
     def as_matrix(self) -> Float[Array, "nodes nodes"]:
         """Dense form [J/K], for small meshes."""
         dense = jnp.diag(self.diagonal)
-        columns = jax.tree.leaves(self.pattern.columns)
-        bounds = [(low, high) for low, high, _ in self.pattern.bounds for _ in range(2)]
-        for values, place, (low, high) in zip(
-            jax.tree.leaves(self.rows), columns, bounds, strict=True
+        pattern = self.pattern
+        for values, place, (low, high, _) in zip(
+            self.rows, pattern.columns, pattern.bounds, strict=True
         ):
             row = jnp.broadcast_to(jnp.arange(low, high), place.shape)
             dense = dense.at[row, place].add(values)
