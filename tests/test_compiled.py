@@ -44,6 +44,12 @@ def test_programs_are_kept_in_the_users_cache(tmp_path: Path) -> None:
     assert any(folder.iterdir())
 
 
+def test_an_import_makes_no_folder(tmp_path: Path) -> None:
+    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
+    subprocess.run([sys.executable, "-c", "import thermo"], env=environment, check=True)
+    assert not (tmp_path / "thermofield").exists()
+
+
 def test_the_users_own_folder_counts(tmp_path: Path) -> None:
     chosen = tmp_path / "mine"
     assert run(tmp_path, JAX_COMPILATION_CACHE_DIR=str(chosen)) == str(chosen)

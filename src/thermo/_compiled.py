@@ -9,6 +9,8 @@ from pathlib import Path
 
 import jax
 
+from thermo._cache_folder import cache_folder
+
 SHORTEST = 0.3
 """Seconds of compiling from which a program is kept."""
 
@@ -24,10 +26,8 @@ def _machine() -> str:
 
 
 def compiled_cache() -> Path:
-    """`thermofield/compiled` in $XDG_CACHE_HOME, or in ~/.cache, by kind of processor."""
-    stated = os.environ.get("XDG_CACHE_HOME", "")
-    base = Path(stated) if stated else Path.home() / ".cache"
-    return base / "thermofield" / "compiled" / _machine()
+    """`compiled` in the user's cache, by kind of processor."""
+    return cache_folder() / "compiled" / _machine()
 
 
 def keep_compiled() -> None:
@@ -41,9 +41,10 @@ def keep_compiled() -> None:
         return
     try:
         folder = compiled_cache()
-        folder.mkdir(parents=True, exist_ok=True)
+        # It is made when there is a program to keep, not by an import.
+        there = next(place for place in (folder, *folder.parents) if place.exists())
     except (OSError, RuntimeError):
         return
-    if os.access(folder, os.W_OK):
+    if there.is_dir() and os.access(there, os.W_OK):
         jax.config.update("jax_compilation_cache_dir", str(folder))
         jax.config.update("jax_persistent_cache_min_compile_time_secs", SHORTEST)

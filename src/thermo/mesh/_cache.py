@@ -13,6 +13,8 @@ from typing import Final
 import numpy as np
 from jaxtyping import Float, Int
 
+from thermo._cache_folder import cache_folder
+
 from ._sizing import Sizing
 from ._surface import Surface
 
@@ -21,9 +23,8 @@ FORMAT: Final = "thermofield-mesh/1"
 
 
 def default_cache() -> Path:
-    """`thermofield/meshes` in $XDG_CACHE_HOME, or in ~/.cache."""
-    stated = os.environ.get("XDG_CACHE_HOME", "")
-    return (Path(stated) if stated else Path.home() / ".cache") / "thermofield" / "meshes"
+    """`meshes` in the user's cache."""
+    return cache_folder() / "meshes"
 
 
 def content_key(surface: Surface, sizing: Sizing, settings: tuple[float, ...]) -> str:
