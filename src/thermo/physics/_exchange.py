@@ -63,32 +63,25 @@ def plain_exchange(
     rise: Float[Array, " nodes"] | None,
     about: Float[Array, " nodes"] | None,
 ) -> Float[Array, " nodes"]:
-    """As `exchange`, for effects of any kind: derivatives go from face to face."""
+    """Nodal heat rate [W] through the surface, integral of (q(T) - slope(about) rise) N_i.
+
+    Arguments:
+
+    - `effects`: of any kind: derivatives go from face to face.
+    - `temperature`: T, (nodes,) [K]; `rise`: (nodes,) [K] or None; `about`: (nodes,) [K], None
+      for T.
+    """
     now = on_faces(space, temperature)
     more, base = (None if x is None else on_faces(space, x) for x in (rise, about))
     return surface_load(space, _through(effects, time, now, more, base))
 
 
-@eqx.filter_custom_jvp
-def exchange(
-    space: Discretisation,
-    effects: Effects,
-    time: Time,
-    temperature: Float[Array, " nodes"],
-    rise: Float[Array, " nodes"] | None,
-    about: Float[Array, " nodes"] | None,
-) -> Float[Array, " nodes"]:
-    """Nodal heat rate [W] through the surface, integral of (q(T) - slope(about) rise) N_i.
+exchange = eqx.filter_custom_jvp(plain_exchange)
+"""The same for effects of each of whose flux at a point depends on the temperature there alone.
 
-    Arguments:
-
-    - `effects`: each of whose flux at a point depends on the temperature there alone.
-    - `temperature`: T, (nodes,) [K]; `rise`: (nodes,) [K] or None, of which no derivative is
-      taken; `about`: (nodes,) [K], None for T.
-
-    Its derivative by the nodes is a matrix on the surface, which a batch of tangents shares.
-    """
-    return plain_exchange(space, effects, time, temperature, rise, about)
+Its derivative by the nodes is a matrix on the surface, which a batch of tangents shares. None is
+taken by the rise.
+"""
 
 
 def _pointwise(function: Callable[[AtFaces], AtFaces], at: AtFaces) -> AtFaces:
