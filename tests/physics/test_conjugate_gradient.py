@@ -10,6 +10,7 @@ import pytest
 from thermo.mesh import box_mesh
 from thermo.physics import ConjugateGradient, Model, StepMatrix, discretise
 from thermo.physics._balance import assemble, step_matrix
+from thermo.physics._conjugate_gradient import SINGLE
 
 SPACE = discretise(box_mesh((0.02, 0.02, 0.01), (5, 5, 3)))
 NODES, CELLS = len(SPACE.mesh.nodes), len(SPACE.mesh.cells)
@@ -74,3 +75,25 @@ def test_columns_are_solved_as_if_alone() -> None:
         alone, *_ = solver.solve(matrix(), heat[:, column], jnp.zeros(NODES))
         scale = float(jnp.abs(alone).max())
         np.testing.assert_allclose(together[:, column], alone, atol=1e-9 * scale)
+
+
+@pytest.mark.parametrize("rtol", [1e-4, SINGLE])
+def test_single_precision_meets_the_tolerance_whatever_the_size(rtol: float) -> None:
+    make = np.random.default_rng(3)
+    heat = jnp.asarray(make.normal(size=(NODES, 5)) * np.array([1e-25, 1e-9, 1.0, 1e9, 1e25]))
+    operator, norm = matrix(), 1 / np.asarray(matrix().diagonal)[:, None]
+    least = jnp.sum(heat * norm * heat, 0)
+    solver = ConjugateGradient(rtol=rtol)
+    found, fine, _ = jax.jit(solver.solve_in_single)(operator, heat, 0 * heat, least)
+    left = np.asarray(heat - operator.mv(found))
+    assert bool(fine) and found.dtype == heat.dtype
+    reached = np.sqrt(np.sum(left * norm * left, 0) / np.asarray(least))
+    assert (reached < 1.2 * rtol).all(), reached
+
+
+def test_single_precision_is_not_used_where_it_falls_short() -> None:
+    heat = jnp.stack([HEAT, 2 * HEAT], 1)
+    solver = ConjugateGradient(rtol=0.99 * SINGLE)
+    given = (matrix(), heat, 0 * heat, jnp.zeros(2))
+    together, *_ = jax.jit(solver.solve_in_single)(*given)
+    np.testing.assert_array_equal(together, jax.jit(solver.solve)(*given)[0])

@@ -34,6 +34,8 @@ class Balance(eqx.Module):
     - `stiffness` (edges,) [W/K]; `stored` and `stored_edges`: mass matrix [J/K].
     - `stiffness_rows`, `stored_rows`: the same, padded for products; without derivatives.
     - `constant`: M + weight K where all steps have that weight, or None.
+    - `single`: whether many matrices side by side, as tangents have, may be rounded to single
+      precision.
     """
 
     model: Model
@@ -44,6 +46,7 @@ class Balance(eqx.Module):
     stiffness_rows: Rows
     stored_rows: Rows
     constant: StepMatrix | None = None
+    single: bool = eqx.field(static=True, default=False)
 
 
 def with_weight(balance: Balance, weight: Time) -> Balance:
@@ -56,8 +59,8 @@ def with_weight(balance: Balance, weight: Time) -> Balance:
     return eqx.tree_at(lambda b: b.constant, balance, constant, is_leaf=lambda x: x is None)
 
 
-def assemble(model: Model) -> Balance:
-    """Assemble what does not change during a run: K [W/K] and M [J/K]."""
+def assemble(model: Model, *, single: bool = False) -> Balance:
+    """Assemble what does not change during a run: K [W/K] and M [J/K]; `single` as in `Balance`."""
     space = model.space
     stiffness = stiffness_edges(space, model.conductivity)
     stored, stored_edges = mass(space, model.capacity)
@@ -69,6 +72,7 @@ def assemble(model: Model) -> Balance:
         stored_edges=stored_edges,
         stiffness_rows=expand(space.pattern, jax.lax.stop_gradient(stiffness)),
         stored_rows=expand(space.pattern, jax.lax.stop_gradient(stored_edges)),
+        single=single,
     )
 
 
@@ -132,7 +136,8 @@ def _conducted(
     pattern = balance.model.space.pattern
     if balance.model.conductivity_law is None:
         whole = temperature if rise is None else temperature + rise.value
-        return difference_product(pattern, balance.stiffness, whole, balance.stiffness_rows)
+        rows, single = balance.stiffness_rows, balance.single
+        return difference_product(pattern, balance.stiffness, whole, rows, single=single)
     stiffness = _stiffness(balance, temperature)
     if rise is None or rise.about is None:
         whole = temperature if rise is None else temperature + rise.value
@@ -143,8 +148,9 @@ def _conducted(
 
 def stored_heat(balance: Balance, rise: Float[Array, " nodes"]) -> Float[Array, " nodes"]:
     """M times a rise of (equivalent) temperature [K]: the heat stored at each node [J]."""
-    pattern = balance.model.space.pattern
-    return edge_product(pattern, balance.stored, balance.stored_edges, rise, balance.stored_rows)
+    pattern, single = balance.model.space.pattern, balance.single
+    content = (balance.stored, balance.stored_edges)
+    return edge_product(pattern, *content, rise, balance.stored_rows, single=single)
 
 
 def equivalent(balance: Balance, temperature: Float[Array, " nodes"]) -> Float[Array, " nodes"]:

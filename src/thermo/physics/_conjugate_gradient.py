@@ -23,6 +23,10 @@ def _over(above: Float[Array, "*batch"], below: Float[Array, "*batch"]) -> Float
     return jnp.where(below > 0, above / jnp.where(below > 0, below, 1.0), 0.0)
 
 
+SINGLE = 1e-6
+"""Tolerance [1] from which single precision has digits enough."""
+
+
 @final
 class ConjugateGradient(eqx.Module):
     """Solve A x = b until the residual is `rtol` of b in the norm of the inverse diagonal.
@@ -76,3 +80,26 @@ class ConjugateGradient(eqx.Module):
         start = (jnp.zeros_like(heat), heat, guess, whole, jnp.full((), -1, jnp.int32))
         x, _, _, rz, steps = jax.lax.while_loop(unfinished, body, start)
         return x, jnp.all(rz <= goal), steps
+
+    def solve_in_single(
+        self,
+        matrix: StepMatrix,
+        heat: Float[Array, "nodes batch"],
+        guess: Float[Array, "nodes batch"],
+        least: Float[Array, " batch"],
+    ) -> tuple[Float[Array, "nodes batch"], Bool[Array, ""], Int[Array, ""]]:
+        """The same for many right-hand sides, in single precision where `rtol` leaves room for it.
+
+        They are bound by memory, so that this takes half the time.
+        """
+        if self.rtol < SINGLE:
+            return self.solve(matrix, heat, guess, least)
+        # Squares of what is far from one would leave the range.
+        size = jnp.sqrt(jnp.where(least > 0, least, 1.0))
+        scaled = (matrix, heat / size, guess / size, least / size**2)
+        found, fine, steps = self.solve(*jax.tree.map(_single, scaled))
+        return found * size, fine, steps
+
+
+def _single(value: Any) -> Any:
+    return value.astype(jnp.float32) if eqx.is_inexact_array(value) else value

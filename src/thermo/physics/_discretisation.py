@@ -133,14 +133,16 @@ def stiffness_edges(
 
     - `conductivity`: one value a cell, (cells,), or a symmetric tensor, (cells, 3, 3) [W/m/K].
     """
-    if conductivity.ndim == 1:
-        flow = conductivity[:, None, None] * space.gradient
-    else:
+    scalar = conductivity.ndim == 1
+    flow = space.gradient
+    if not scalar:
         flow = jnp.einsum("cax,cxy->cay", space.gradient, conductivity)
     products = jnp.einsum("cax,cbx->cab", flow, space.gradient)
     upper = np.triu_indices(space.mesh.cells.shape[1], 1)
     reference = jnp.asarray(reference_stiffness(space.order)[upper])
     terms = jnp.einsum("cab,pab->cp", products, reference)
+    # Last, so that tangents of the conductivity meet nothing but this product.
+    terms = conductivity[:, None] * terms if scalar else terms
     return jnp.zeros(space.pattern.first.shape[0]).at[space.cell_edge].add(terms)
 
 

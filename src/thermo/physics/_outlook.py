@@ -43,7 +43,7 @@ class Memory(eqx.Module):
     """What a linear solve hands on to the same one of the next step.
 
     - `found`: the solutions of the last steps, over their lengths, each at its place,
-      (depth, nodes) [K/s].
+      (depth, nodes) [K/s]; in single precision, since a solve only begins there.
     - `largest`: of tangents and adjoints the largest right-hand side so far, squared in the norm
       of the inverse diagonal; zero for temperatures.
     """
@@ -59,7 +59,9 @@ Past = tuple[Memory, ...]
 def without_past(solves: int, nodes: int) -> tuple[Past, Outlook]:
     """The past and the outlook of a step with no other before it."""
     nothing = jnp.zeros(DEPTH)
-    past = tuple(Memory(jnp.zeros((DEPTH, nodes)), jnp.zeros(())) for _ in range(solves))
+    past = tuple(
+        Memory(jnp.zeros((DEPTH, nodes), jnp.float32), jnp.zeros(())) for _ in range(solves)
+    )
     return past, Outlook(nothing, nothing, jnp.ones(()), jnp.zeros((), jnp.int32))
 
 

@@ -255,7 +255,8 @@ def row_product(
         def add(total: Array, run: tuple[Array, Array], own: Array = own) -> tuple[Array, None]:
             for held, column in zip(*run, strict=True):
                 entry = held.reshape(-1, *ones) if lookup is None else lookup[held]
-                total = total + entry * (vector[column] - own if differences else vector[column])
+                other = vector[column] - own if differences else vector[column]
+                total = total + entry * other.astype(entry.dtype)
             return total, None
 
         total = groups.get(low)

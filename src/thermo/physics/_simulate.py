@@ -11,7 +11,7 @@ from jaxtyping import Array, Bool, Float
 
 from thermo.physics._adjoint import AbstractAdjoint, StoreSteps
 from thermo.physics._balance import assemble, with_weight
-from thermo.physics._conjugate_gradient import ConjugateGradient
+from thermo.physics._conjugate_gradient import SINGLE, ConjugateGradient
 from thermo.physics._model import Model
 from thermo.physics._outlook import Outlook, Past, outlooks, without_past
 from thermo.physics._readout import ReadOut, every_node
@@ -63,7 +63,7 @@ def solve_heat(
     solver = ConjugateGradient() if solver is None else solver
     readout = every_node(len(model.space.mesh.nodes)) if readout is None else readout
     adjoint = StoreSteps() if adjoint is None else adjoint
-    balance = assemble(model)
+    balance = assemble(model, single=solver.rtol >= SINGLE)
 
     def step(state: State, interval: tuple[Array, Array, Outlook]) -> tuple[State, Any]:
         old, past = state

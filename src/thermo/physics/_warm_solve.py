@@ -37,11 +37,13 @@ def _solve(heat: Array, past: Array, largest: Array, *leaves: Any, shape: Any, r
         # What decays to nothing within a run need not be known to as many digits of itself.
         scaled = heat / jnp.expand_dims(matrix.diagonal, range(1, heat.ndim))
         largest = jnp.maximum(largest, jnp.sum(heat * scaled, axis=0))
-    found, fine, _ = solver.solve(matrix, heat, jnp.tensordot(weights, past, 1), largest)
+    guess = sum(weight * rates for weight, rates in zip(weights, past, strict=True))
+    solve = solver.solve_in_single if heat.ndim > 1 else solver.solve
+    found, fine, _ = solve(matrix, heat, guess, largest)
     # A step of no duration leaves no rate.
     whole = jnp.where(outlook.size > 0, outlook.size, jnp.inf)
     latest = found if role == ADJOINT else found / whole
-    return found, past.at[outlook.place].set(latest), largest, fine
+    return found, past.at[outlook.place].set(latest.astype(past.dtype)), largest, fine
 
 
 _solve_p: Any = Primitive("warm_solve")
