@@ -22,10 +22,10 @@ import equinox as eqx  # noqa: E402
 import jax  # noqa: E402
 import jax.numpy as jnp  # noqa: E402
 import numpy as np  # noqa: E402
-from measure import clock, peak_gb  # noqa: E402
 from problem import CONVECTION, EMISSIVITY, SIZE, Problem  # noqa: E402
 from scipy.spatial import KDTree  # noqa: E402
 from scipy_loop import Loop  # noqa: E402
+from timing import clock, peak_gb  # noqa: E402
 
 from thermo.mesh import read_surface, sizing_from_physics, tetrahedralise  # noqa: E402
 from thermo.observe import Heater, read_scene  # noqa: E402

@@ -8,7 +8,6 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import resource
 import time
 from pathlib import Path
 from typing import Any
@@ -19,33 +18,13 @@ for name in ("NPROC", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
 
 import numpy as np  # noqa: E402
-from problem import Problem, make_problem  # noqa: E402
+from problem import Problem, as_arrays, make_problem  # noqa: E402
 from scipy.spatial import KDTree  # noqa: E402
-
-SHORT = 10.0
-"""Runs below this many seconds are timed three times, and the least counts."""
-
-
-def peak_gb() -> float:
-    """Largest resident memory of this process so far [GB]."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
-
-
-def clock(function: Any, *arguments: Any) -> tuple[Any, float, float]:
-    """Result, processor seconds and wall seconds, the least of up to three calls."""
-    cpu = wall = np.inf
-    for count in range(3):
-        begun, used = time.perf_counter(), time.process_time()
-        result = function(*arguments)
-        cpu = min(cpu, time.process_time() - used)
-        wall = min(wall, time.perf_counter() - begun)
-        if wall > SHORT and count == 0:
-            break
-    return result, cpu, wall
+from timing import clock, peak_gb  # noqa: E402
 
 
 def scipy_run(problem: Problem, task: str, reference: Path, rtol: float) -> dict[str, Any]:
-    """The SciPy loop; with a tight tolerance it writes the reference."""
+    """The SciPy loop; with a tight tolerance it writes the reference, and the problem with it."""
     from scipy_loop import Loop
 
     tight = task == "reference"
@@ -57,7 +36,8 @@ def scipy_run(problem: Problem, task: str, reference: Path, rtol: float) -> dict
         slope = loop.gradient(problem.conductivity, target)
         places = loop.places[np.argsort(loop.place)][loop.nodes]
         part = reference.with_suffix(".part.npz")
-        np.savez(part, run=run, target=target, slope=slope, places=places)
+        given = as_arrays(problem)
+        np.savez(part, run=run, target=target, slope=slope, places=places, **given)
         part.rename(reference)
         return {}
     with reference.open("rb") as stream, np.load(stream) as stored:

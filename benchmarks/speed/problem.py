@@ -14,6 +14,7 @@ import numpy as np
 
 from thermo.mesh import Mesh, ball_mesh, mesh_from_cells, promote
 from thermo.observe import Heater
+from thermo.physics.effects import STEFAN_BOLTZMANN
 
 RADIUS = 0.03
 SHELLS = {"s3k": 9, "s12k": 15, "s50k": 24, "s200k": 39, "s1m": 67}
@@ -62,3 +63,21 @@ def make_problem(name: str, steps: int, meshes: str | None = None) -> Problem:
     return Problem(
         name, promote(mesh) if order == ["tet10"] else mesh, capacity, uniform, other, steps
     )
+
+
+def as_arrays(problem: Problem) -> dict[str, np.ndarray]:
+    """What `peer_problem.py` reads of a problem without a lamp; it says what each array is."""
+    return {
+        "name": np.array(problem.name),
+        "nodes": problem.mesh.nodes,
+        "cells": problem.mesh.cells,
+        "faces": problem.mesh.faces,
+        "conductivity": problem.conductivity,
+        "capacity": np.array(problem.capacity),
+        "start": np.array(problem.start),
+        "surroundings": np.array(problem.surroundings),
+        "convection": np.array(CONVECTION),
+        "radiating": np.array(EMISSIVITY * STEFAN_BOLTZMANN),
+        "steps": np.array(problem.steps),
+        "size": np.array(SIZE),
+    }

@@ -5,6 +5,9 @@
 Prints a table and writes `benchmarks/results/latest.json`, `speed.csv` and `speed.png` beside it.
 `--full` adds the large bodies, which take most of an hour and up to 24 GiB. FOLDER holds
 `s3k.npz`, `s12k.npz` and `s50k.npz` with `points` and `tets`, in place of structured balls.
+
+JAX-FEM and DOLFINx join in runs of 100 steps where THERMOFIELD_JAX_FEM and THERMOFIELD_DOLFINX
+name a Python that has them; `jax_fem_loop.py` and `dolfinx_loop.py` say how to get one.
 """
 
 from __future__ import annotations
@@ -13,6 +16,7 @@ import argparse
 import csv
 import json
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -25,7 +29,7 @@ import numpy as np
 
 HERE = Path(__file__).resolve().parent
 RESULTS = HERE.parent / "results"
-STEPS, FEW = 600, 60
+STEPS, FEW, SHORT = 600, 60, 100
 
 # Problem, steps, and the tasks of each; the adaptive one is described in `adaptive.py`.
 QUICK = (
@@ -50,6 +54,18 @@ FULL = (
     ("s200k-rock", FEW, ("forward", "gradient")),
     ("s1m-rock", FEW, ("forward", "gradient-segments")),
 )
+# A step of JAX-FEM takes 0.05 to 0.5 s, so that all run only the first ones.
+SHARED = (
+    ("s3k-rock", SHORT, ("forward", "gradient")),
+    ("s12k-rock", SHORT, ("forward", "gradient")),
+)
+# The gradient of few steps is small: a tighter tolerance of ours keeps it within 1e-4.
+TIGHT = ("--rtol", "1e-5")
+# Who, the variable that names a Python that has it, the script for that Python, and its tasks.
+PEERS = (
+    ("jax-fem", "THERMOFIELD_JAX_FEM", "jax_fem_loop.py", ("forward", "gradient")),
+    ("dolfinx", "THERMOFIELD_DOLFINX", "dolfinx_loop.py", ("forward",)),
+)
 LARGE = ("s200k", "s1m")
 FIELDS = ("problem", "who", "task", "nodes", "steps", "cpu_ms_per_step", "cpu_s", "wall_s",
           "compile_s", "peak_gb", "base_gb", "diff_K", "gradient_error", "rtol")  # fmt: skip
@@ -59,13 +75,13 @@ UNITS = (("cpu_ms_per_step", "ms/step"), ("cpu_s", "s"), ("compile_s", "s compil
          ("peak_gb", "GB"), ("diff_K", "K"), ("gradient_error", "of gradient"))  # fmt: skip
 
 
-def measure(script: str, *arguments: str) -> list[dict[str, Any]]:
+def measure(script: str, *arguments: str, python: str = sys.executable) -> list[dict[str, Any]]:
     """What one process printed; nothing, but a line of why, where it failed."""
-    command = [sys.executable, str(HERE / script), *arguments]
+    command = [python, str(HERE / script), *arguments]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         reason = (done.stderr.strip() or f"exit code {done.returncode}").splitlines()[-1]
-        print(f"left out: {' '.join(arguments[:4])}: {reason}", flush=True)
+        print(f"left out: {script} {' '.join(arguments[:4])}: {reason}", flush=True)
         return []
     return [json.loads(line) for line in done.stdout.splitlines() if line.startswith("{")]
 
@@ -80,8 +96,23 @@ def show(*records: dict[str, Any]) -> None:
         print("  ".join(cells), flush=True)
 
 
-def compare(name: str, steps: int, tasks: tuple[str, ...], given: Any, folder: Path) -> list[dict]:
-    """All measurements of one problem; SciPy and ours in turns."""
+def find_peers() -> list[tuple[str, str, tuple[str, ...]]]:
+    """Python, script and tasks of each peer that the environment names; a line for each other."""
+    found = []
+    for who, variable, script, tasks in PEERS:
+        python = os.environ.get(variable)
+        if python is None:
+            print(f"left out: {who}: name a Python that has it with {variable}")
+        elif shutil.which(python) is None:
+            print(f"left out: {who}: {variable} names {python}, which cannot be run")
+        else:
+            found.append((python, script, tasks))
+    return found
+
+
+def compare(problem: tuple, given: Any, folder: Path, peers: list) -> list[dict]:
+    """All measurements of one problem; SciPy, ours and the peers in turns."""
+    name, steps, tasks = problem
     where = ("--meshes", given.meshes) if given.meshes else ()
     reference: tuple[str, ...] = ()
     large = name.split("-")[0] in LARGE
@@ -93,9 +124,15 @@ def compare(name: str, steps: int, tasks: tuple[str, ...], given: Any, folder: P
         # The loop by hand has no Jacobian; on a million nodes only ours is asked.
         both = ("scipy", "thermo") if task in ("forward", "gradient") and not large else ("thermo",)
         for who in both:
-            found = measure("measure.py", name, str(steps), who, task, *reference, *where)
+            rtol = TIGHT if problem in SHARED and who == "thermo" else ()
+            found = measure("measure.py", name, str(steps), who, task, *reference, *where, *rtol)
             records += found
             show(*found)
+        for python, script, able in peers:
+            if task in able and problem in SHARED:
+                found = measure(script, task, *reference, python=python)
+                records += found
+                show(*found)
     return records
 
 
@@ -147,6 +184,18 @@ def picture(records: list[dict], path: Path) -> None:
     figure.savefig(path, dpi=120)
 
 
+def ratios(records: list[dict]) -> None:
+    """Print our processor time over that of each other on the same problem."""
+    cost = {identity(record): record["cpu_s"] for record in records}
+    others = {"scipy": "the SciPy loop", "jax-fem": "JAX-FEM", "dolfinx": "DOLFINx"}
+    for record in records:
+        for who, name in others.items() if record["who"] == "thermo" else ():
+            theirs = cost.get((*identity(record)[:-1], who))
+            if theirs is not None:
+                print(f"{record['problem']}-{record['steps']} {record['task']}: "
+                      f"{record['cpu_s'] / theirs:.2g} of {name}'s")  # fmt: skip
+
+
 def write(path: Path, text: str) -> None:
     """Replace a file at once."""
     part = path.with_suffix(path.suffix + ".part")
@@ -171,9 +220,11 @@ def main() -> None:
     # Each compiles for itself, so that the seconds of compiling are those of a new machine.
     os.environ["JAX_ENABLE_COMPILATION_CACHE"] = "false"
     with tempfile.TemporaryDirectory() as place:
-        for name, steps, tasks in FULL if given.full else QUICK:
-            if given.only in f"{name}-{steps}":
-                records += compare(name, steps, tasks, given, Path(place))
+        problems = (*(FULL if given.full else QUICK), *SHARED)
+        chosen = [problem for problem in problems if given.only in f"{problem[0]}-{problem[1]}"]
+        peers = find_peers() if set(chosen) & set(SHARED) else []
+        for problem in chosen:
+            records += compare(problem, given, Path(place), peers)
     if given.only in "bunny-heating-adaptive":
         records += adaptive(os.environ.get("THERMOFIELD_DATA"))
     for record in records:
@@ -191,12 +242,7 @@ def main() -> None:
             {k: f"{v:.4g}" if isinstance(v, float) else v for k, v in r.items()} for r in records
         )
     picture(records, RESULTS / "speed.png")
-    theirs = {identity(r)[:-1]: r["cpu_s"] for r in records if r["who"] == "scipy"}
-    for record in records:
-        loop = theirs.get(identity(record)[:-1])
-        if loop is not None and record["who"] != "scipy":
-            ratio = record["cpu_s"] / loop
-            print(f"{record['problem']} {record['task']}: {ratio:.2f} of the SciPy loop's")
+    ratios(records)
     print(f"{time.monotonic() - begun:.0f} s")
 
 
