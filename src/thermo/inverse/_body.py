@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, final
 
-import equinox as eqx
 import numpy as np
-from jaxtyping import Array, Float
 
 from thermo.errors import InputError
-from thermo.inverse._conditions import Conditions, conditions, make_model, switches
+from thermo.inverse._conditions import conditions, make_model, switches
 from thermo.inverse._properties import Stated, properties
+from thermo.inverse._side_by_side import solve_each
 from thermo.mesh import (
     Mesh,
     Sizing,
@@ -24,16 +23,7 @@ from thermo.mesh import (
     tetrahedralise,
 )
 from thermo.observe import Run, Scene, bind
-from thermo.physics import (
-    ConjugateGradient,
-    Model,
-    ReadOut,
-    TimeGrid,
-    discretise,
-    solve_heat,
-    uniform_steps,
-)
-from thermo.physics.integrators import Sdirk2
+from thermo.physics import discretise, uniform_steps
 
 # Standing in for a conductivity that nothing is known of: from foam to silver [W/m/K].
 SCAN = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
@@ -154,30 +144,9 @@ def scan_conductivity(scene: Scene, surface: Surface, runs: list[Run], meshing: 
         under = conditions(run, space)
         picked = np.searchsorted(run.recording.time, frames - 1e-9)
         data, valid = run.recording.temperature[picked], run.recording.valid[picked]
-        for number, value in enumerate(SCAN):
-            stated = state(scene, {"conductivity": value}, value)
-            body = properties(stated, {}, len(space.mesh.cells), len(space.mesh.faces))
-            solution = solve_heat_once(make_model(space, body, under), under, grid, readout)
-            misfit[number] += float((np.where(valid, solution - data, 0.0) ** 2).sum())
+        sizes = (len(space.mesh.cells), len(space.mesh.faces))
+        stated = [state(scene, {"conductivity": value}, value) for value in SCAN]
+        models = [make_model(space, properties(one, {}, *sizes), under) for one in stated]
+        for number, found in enumerate(solve_each(models, under, grid, readout)):
+            misfit[number] += float((np.where(valid, found - data, 0.0) ** 2).sum())
     return float(SCAN[int(np.argmin(misfit))])
-
-
-def solve_heat_once(
-    model: Model, under: Conditions, grid: TimeGrid, readout: ReadOut
-) -> Float[np.ndarray, "frames samples"]:
-    """Simulated temperatures [K] at the samples, compiled once for each shape of the problem."""
-    return np.asarray(_solve(model, under, grid, readout))
-
-
-@eqx.filter_jit
-def _solve(
-    model: Model, under: Conditions, grid: TimeGrid, readout: ReadOut
-) -> Float[Array, "frames samples"]:
-    return solve_heat(
-        model,
-        under.start(len(model.space.mesh.nodes)),
-        grid,
-        integrator=Sdirk2(),
-        readout=readout,
-        solver=ConjugateGradient(rtol=1e-5),
-    ).temperature

@@ -10,9 +10,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from thermo.inverse._body import of_order, solve_heat_once
+from thermo.inverse._body import of_order
 from thermo.inverse._conditions import conditions, make_model, switches
 from thermo.inverse._properties import Properties
+from thermo.inverse._side_by_side import solve_each
 from thermo.inverse._stepping import free_grid
 from thermo.mesh import Mesh
 from thermo.observe import Run, bind
@@ -104,16 +105,19 @@ def forward(
     recording = run.recording
     measured = np.where(recording.valid, recording.temperature, np.nan)
     samples = len(recording.points)
-    results: dict[str, np.ndarray] = {}
-    for name, body in bodies.items():
-        same = next((other for other in results if _equal(bodies[other], body)), None)
-        if same is not None:
-            results[name] = results[same]
-            continue
-        ends = solve_heat_once(make_model(space, body, under), under, grid, readout)
-        results[name] = between_steps(
-            np.asarray(grid.frame_time), ends, recording.time, switches(run)
-        )
+    # Equal bodies are simulated once.
+    like = {
+        name: next(other for other in bodies if _equal(bodies[other], body))
+        for name, body in bodies.items()
+    }
+    different = list(dict.fromkeys(like.values()))
+    models = [make_model(space, bodies[name], under) for name in different]
+    ends = np.asarray(grid.frame_time)
+    found = {
+        name: between_steps(ends, values, recording.time, switches(run))
+        for name, values in zip(different, solve_each(models, under, grid, readout), strict=True)
+    }
+    results = {name: found[other] for name, other in like.items()}
     scores = {name: score(result[:, :samples], measured) for name, result in results.items()}
     first = next(iter(results.values()))
     frames = len(recording.time)

@@ -63,6 +63,8 @@ def solve_heat(
     solver = ConjugateGradient() if solver is None else solver
     readout = every_node(len(model.space.mesh.nodes)) if readout is None else readout
     adjoint = StoreSteps() if adjoint is None else adjoint
+    # Not weakly typed, as a filled array is: the steps hand on what is not.
+    initial = jnp.asarray(initial, initial.dtype)
     balance = assemble(model, single=solver.rtol >= SINGLE)
 
     def step(state: State, interval: tuple[Array, Array, Outlook]) -> tuple[State, Any]:
