@@ -38,7 +38,7 @@ def _solve(heat: Array, past: Array, largest: Array, *leaves: Any, shape: Any, r
         scaled = heat / jnp.expand_dims(matrix.diagonal, range(1, heat.ndim))
         largest = jnp.maximum(largest, jnp.sum(heat * scaled, axis=0))
     guess = sum(weight * rates for weight, rates in zip(weights, past, strict=True))
-    solve = solver.solve_in_single if heat.ndim > 1 else solver.solve
+    solve = solver.solve_together if heat.ndim > 1 else solver.solve
     found, fine, _ = solve(matrix, heat, guess, largest)
     # A step of no duration leaves no rate.
     whole = jnp.where(outlook.size > 0, outlook.size, jnp.inf)
