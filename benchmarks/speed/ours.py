@@ -53,9 +53,10 @@ class Ours:
             RecomputeSegments(length) if adjoint == "segments" else StoreSteps()
         )
 
-    def _run(
+    def run(
         self, model: Model, conductivity: jax.Array, tangents: ReadOut | None = None
     ) -> jax.Array:
+        """Temperatures [K] at the read-out, or for `tangents`, with another conductivity."""
         changed = eqx.tree_at(lambda m: m.conductivity, model, conductivity)
         return solve_heat(
             changed,
@@ -78,7 +79,7 @@ class Ours:
         @eqx.filter_jit
         def slope(model: Model, conductivity: jax.Array, target: jax.Array) -> jax.Array:
             def misfit(k: jax.Array) -> jax.Array:
-                return jnp.mean((self._run(model, k) - target) ** 2)
+                return jnp.mean((self.run(model, k) - target) ** 2)
 
             return jax.grad(misfit)(conductivity)
 
@@ -97,7 +98,7 @@ class Ours:
         @eqx.filter_jit
         def columns(model: Model, conductivity: jax.Array, ways: jax.Array) -> jax.Array:
             def push(way: jax.Array) -> jax.Array:
-                return jax.jvp(lambda k: self._run(model, k, few), (conductivity,), (way,))[1]
+                return jax.jvp(lambda k: self.run(model, k, few), (conductivity,), (way,))[1]
 
             return jax.vmap(push, out_axes=-1)(ways)
 
