@@ -70,7 +70,7 @@ class Ours:
 
     def forward(self):  # noqa: ANN201
         """A compiled run: from the model and the conductivity to surface temperatures [K]."""
-        run = eqx.filter_jit(self._run)
+        run = eqx.filter_jit(self.run)
         return lambda conductivity: run(self.model, conductivity)
 
     def gradient(self, target: jax.Array):  # noqa: ANN201
