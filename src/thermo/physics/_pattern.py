@@ -206,7 +206,7 @@ def _padded(values: Float[Array, "values *batch"]) -> Float[Array, "more *batch"
 def expand(pattern: Pattern, edges: Float[Array, " edges"]) -> Rows:
     """Padded rows of a matrix from its edge values (same unit)."""
     values = _padded(edges)
-    return jax.tree.map(lambda place: values[place], pattern.source)
+    return tuple(values[place] for place in pattern.source)
 
 
 def add_surface(pattern: Pattern, rows: Rows, extra: Float[Array, " surface_edges"]) -> Rows:
@@ -214,10 +214,7 @@ def add_surface(pattern: Pattern, rows: Rows, extra: Float[Array, " surface_edge
     values = _padded(extra)
     changed, sources = [], iter(pattern.surface_source)
     for block, (_, _, flag) in zip(rows, pattern.bounds, strict=True):
-        more = next(sources) if flag else None
-        changed.append(
-            block if more is None else jax.tree.map(lambda a, i: a + values[i], block, more)
-        )
+        changed.append(block + values[next(sources)] if flag else block)
     return tuple(changed)
 
 
@@ -225,8 +222,7 @@ def scale_rows(pattern: Pattern, rows: Rows, factor: Float[Array, " nodes"]) -> 
     """Padded rows with each entry times the factors [1] of its row and of its column."""
     changed = []
     for (low, high, _), columns, block in zip(pattern.bounds, pattern.columns, rows, strict=True):
-        own = factor[low:high]
-        changed.append(jax.tree.map(lambda a, j, own=own: a * own * factor[j], block, columns))
+        changed.append(block * factor[low:high] * factor[columns])
     return tuple(changed)
 
 
