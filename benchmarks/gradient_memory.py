@@ -5,6 +5,8 @@ temperature at one node: what the compiled program asks for beside its inputs an
 exponents from each number of steps to the next. Few steps need less than the assembly before them.
 
     python benchmarks/gradient_memory.py
+
+Writes `benchmarks/results/gradient_memory.csv`.
 """
 
 from __future__ import annotations

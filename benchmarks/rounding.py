@@ -5,6 +5,8 @@ temperatures ask for, which is the hardest, solved in single precision as far as
 true residual over the solution, both in the norm of the diagonal, in units of the rounding.
 
     python benchmarks/rounding.py
+
+Writes `benchmarks/results/rounding.csv`.
 """
 
 from __future__ import annotations

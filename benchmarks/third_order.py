@@ -4,6 +4,8 @@ A ball of poor conductor under a lamp that goes off half way, in steps planned f
 tolerances; the reference has 3000 even steps. Errors are the largest at any surface node and frame.
 
     python benchmarks/third_order.py
+
+Writes `benchmarks/results/third_order.csv`.
 """
 
 from __future__ import annotations

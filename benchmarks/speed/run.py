@@ -7,7 +7,8 @@ Prints a table and writes `benchmarks/results/latest.json`, `speed.csv` and `spe
 `s3k.npz`, `s12k.npz` and `s50k.npz` with `points` and `tets`, in place of structured balls.
 
 JAX-FEM and DOLFINx join in runs of 100 steps where THERMOFIELD_JAX_FEM and THERMOFIELD_DOLFINX
-name a Python that has them; `jax_fem_loop.py` and `dolfinx_loop.py` say how to get one.
+name a Python that has them; `jax_fem_loop.py` and `dolfinx_loop.py` say how to get one. The bunny
+is read from `scenes/bunny` in the folder THERMOFIELD_DATA, or left out.
 """
 
 from __future__ import annotations
@@ -68,6 +69,7 @@ PEERS = (
     ("dolfinx", "THERMOFIELD_DOLFINX", "dolfinx_loop.py", ("forward",)),
 )
 LARGE = ("s200k", "s1m")
+ADAPTIVE = "bunny-heating-adaptive"
 FIELDS = ("problem", "who", "task", "nodes", "steps", "cpu_ms_per_step", "cpu_s", "wall_s",
           "compile_s", "peak_gb", "base_gb", "diff_K", "gradient_error", "rtol")  # fmt: skip
 
@@ -207,8 +209,10 @@ def write(path: Path, text: str) -> None:
 
 def main() -> None:
     """Run all, print the table, write the results."""
-    parser = argparse.ArgumentParser(description="ThermoField beside other solvers.")
-    parser.add_argument("--full", action="store_true")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--full", action="store_true", help="the large bodies as well")
     parser.add_argument("--meshes", help="folder of meshes in place of structured balls")
     parser.add_argument(
         "--only",
@@ -218,16 +222,19 @@ def main() -> None:
     given = parser.parse_args()
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NPROC"):
         os.environ[name] = "1"
+    problems = (*(FULL if given.full else QUICK), *SHARED)
+    chosen = [problem for problem in problems if given.only in f"{problem[0]}-{problem[1]}"]
+    if not chosen and given.only not in ADAPTIVE:
+        names = " ".join(f"{name}-{steps}" for name, steps, _ in problems)
+        parser.error(f"--only {given.only}: no problem's name contains it, of {names} {ADAPTIVE}")
     begun, records = time.monotonic(), []
     # Each compiles for itself, so that the seconds of compiling are those of a new machine.
     os.environ["JAX_ENABLE_COMPILATION_CACHE"] = "false"
     with tempfile.TemporaryDirectory() as place:
-        problems = (*(FULL if given.full else QUICK), *SHARED)
-        chosen = [problem for problem in problems if given.only in f"{problem[0]}-{problem[1]}"]
         peers = find_peers() if set(chosen) & set(SHARED) else []
         for problem in chosen:
             records += compare(problem, given, Path(place), peers)
-    if given.only in "bunny-heating-adaptive":
+    if given.only in ADAPTIVE:
         records += adaptive(os.environ.get("THERMOFIELD_DATA"))
     for record in records:
         record["mesh"] = "given" if given.meshes else "structured"

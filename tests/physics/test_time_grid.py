@@ -6,9 +6,11 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from thermo.errors import InputError
 from thermo.mesh import box_mesh
 from thermo.physics import (
     ConjugateGradient,
@@ -116,6 +118,15 @@ def test_planned_steps_keep_the_tolerance() -> None:
     slope = np.polyfit(np.log(tolerances), np.log(errors), 1)[0]
     assert abs(slope - 2 / 3) < 0.2
     assert counts[0] < counts[1] < counts[2] < most / 4
+
+
+@pytest.mark.parametrize("name", ["tolerance", "largest"])
+@pytest.mark.parametrize("value", [0.0, -1.0, np.nan])
+def test_steps_of_nothing_are_refused(name: str, value: float) -> None:
+    model, initial = heated()
+    limits = {"tolerance": 1e-3, "largest": 1.0, name: value}
+    with pytest.raises(InputError, match=f"plan_steps: {name}"):
+        plan_steps(model, initial, np.array([1.0]), **limits)
 
 
 def test_the_estimate_of_a_step_is_its_error() -> None:

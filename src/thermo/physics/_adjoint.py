@@ -10,6 +10,8 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 
+from thermo.errors import InputError
+
 
 def _keep_solutions(primitive: Any, *_: Any, **__: Any) -> bool:
     # The reverse pass then never repeats a linear solve.
@@ -43,6 +45,16 @@ class RecomputeSegments(AbstractAdjoint):
     """
 
     length: int = eqx.field(static=True)
+
+    def __check_init__(self) -> None:
+        if self.length < 1:
+            raise InputError(
+                "a segment needs steps",
+                where="RecomputeSegments: length",
+                value=self.length,
+                limit="at least 1",
+                remedy="take about the square root of the number of steps",
+            )
 
     def run(self, step: Callable[[Any, Any], Any], start: Any, inputs: Any) -> tuple[Any, Any]:
         """Run `step` over the leading axis of `inputs`, segment by segment."""

@@ -14,6 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
+from thermo.errors import InputError
 from thermo.physics._balance import Balance, assemble
 from thermo.physics._conjugate_gradient import ConjugateGradient
 from thermo.physics._model import Model
@@ -82,6 +83,18 @@ def _inside(switches: Sequence[float], frames: Float[np.ndarray, " frames"]) -> 
     return np.array([t for t in switches if 0 < t < frames[-1]], float)
 
 
+def _refuse_nothing(tolerance: float, largest: float) -> None:
+    for name, value in (("tolerance", tolerance), ("largest", largest)):
+        if not value > 0:
+            raise InputError(
+                "no step can be planned with this",
+                where=f"plan_steps: {name}",
+                value=value,
+                limit="a positive number",
+                remedy="give the error of a step in K and the longest step in s",
+            )
+
+
 @eqx.filter_jit
 def _try_step(
     scheme: Sdirk2,
@@ -116,7 +129,10 @@ def plan_steps(
     - `tolerance`: largest error of one step anywhere on the body [K].
     - `largest`: longest step [s].
     - `switches`: times that no step may cross [s].
+
+    Raises `InputError` where the tolerance or the longest step is not positive.
     """
+    _refuse_nothing(tolerance, largest)
     scheme = Sdirk2() if scheme is None else scheme
     frames = np.asarray(frames, float)
     jumps = _inside(switches, frames)
