@@ -10,6 +10,7 @@ the tolerance, so that the derivative of the first part is a solve again and not
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import jax
@@ -97,41 +98,24 @@ mlir.register_lowering(_solve_p, mlir.lower_fun(_solve, multiple_results=True))
 def _bind(
     role: str,
     matrix: StepMatrix,
-    heat: Array,
+    heat: Float[Array, " nodes"],
     past: Memory,
     solver: ConjugateGradient,
     outlook: Outlook,
 ) -> Solved:
+    """Solution [K] for a right-hand side [J], the next step's past, and whether it converged."""
     leaves, shape = jax.tree.flatten((matrix, solver, outlook))
     parts = (heat, past.found, past.largest)
     found, steps, largest, fine = _solve_p.bind(*parts, *leaves, shape=shape, role=role)
     return found, Memory(steps, largest), fine
 
 
-def warm_solve(
-    matrix: StepMatrix,
-    heat: Float[Array, " nodes"],
-    past: Memory,
-    solver: ConjugateGradient,
-    outlook: Outlook,
-) -> Solved:
-    """Solution [K] for a right-hand side [J], the past of the next step, and whether it converged.
+warm_solve = partial(_bind, VALUE)
+"""For temperatures. It has no derivative of its own: `tangent_solve` is part of that."""
 
-    It has no derivative of its own: `tangent_solve` is part of that.
-    """
-    return _bind(VALUE, matrix, heat, past, solver, outlook)
+tangent_solve = partial(_bind, TANGENT)
+"""For a tangent, linear in `heat` and `past` together; its transpose is an adjoint's.
 
-
-def tangent_solve(
-    matrix: StepMatrix,
-    heat: Float[Array, " nodes"],
-    past: Memory,
-    solver: ConjugateGradient,
-    outlook: Outlook,
-) -> Solved:
-    """The same for a tangent, linear in `heat` and `past` together; its transpose is an adjoint's.
-
-    The tolerance is relative to the largest right-hand side of the run so far: tangents matter
-    beside each other, and what has decayed to nothing need not be known to digits of its own.
-    """
-    return _bind(TANGENT, matrix, heat, past, solver, outlook)
+The tolerance is relative to the largest right-hand side of the run so far: tangents matter beside
+each other, and what has decayed to nothing need not be known to digits of its own.
+"""
