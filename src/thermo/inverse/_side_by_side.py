@@ -18,10 +18,14 @@ from thermo.physics.integrators import Sdirk2
 def solve_each(
     models: Iterable[Model], under: Conditions, grid: TimeGrid, readout: ReadOut
 ) -> list[Float[np.ndarray, "frames samples"]]:
-    """Simulated temperatures [K] at the samples for each model, compiled once for their shape.
+    """Temperatures [K] at the samples for each model, in their order; compiled once for all.
 
-    A run by itself keeps one core busy, and a second one hardly hastens it; two runs side by side
-    take no longer than one.
+    A thread a core: a run by itself keeps little more than one busy.
+
+    Arguments:
+
+    - `models`: of one mesh, with the same kinds of effects; `under`: where their start is from.
+    - `grid`: steps and frames [s]; `readout`: of the samples.
     """
 
     def solve(model: Model) -> Float[np.ndarray, "frames samples"]:
