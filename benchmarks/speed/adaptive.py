@@ -78,18 +78,14 @@ def run(model: Model, start: jax.Array, grid: TimeGrid, readout: ReadOut, rtol: 
     ).temperature  # fmt: skip
 
 
-def main() -> None:
-    """Run both and print what they cost."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--data", type=Path, required=True)
-    parser.add_argument("--tolerance", type=float, default=1e-3, help="of a planned step [K]")
-    given = parser.parse_args()
-    scene = read_scene(given.data / "scenes" / "bunny")
+def bunny(data: Path) -> tuple[Problem, Heater]:
+    """The minute of heating with the true conductivity, and its lamp."""
+    scene = read_scene(data / "scenes" / "bunny")
     heating = scene.runs["heating"]
-    lamp = heating.heater
-    surface = read_surface(scene.surface_path)
+    if heating.heater is None:
+        raise SystemExit(f"{scene.folder}: the run `heating` has no heater; name the given bunny")
     capacity = scene.material.density * scene.material.heat_capacity
-    value = 0.1997
+    surface, value = read_surface(scene.surface_path), 0.1997
     sizing = sizing_from_physics(
         surface, diffusivity=value / capacity, duration=60.0, max_nodes=NODES
     )
@@ -98,12 +94,22 @@ def main() -> None:
     steps = round(float(heating.recording.time[-1]) / SIZE)
     problem = Problem(
         "bunny-heating-adaptive", mesh, capacity, known, known, steps,
-        heating.initial_temperature, heating.ambient_temperature, lamp,
+        heating.initial_temperature, heating.ambient_temperature, heating.heater,
     )  # fmt: skip
+    return problem, heating.heater
+
+
+def main() -> None:
+    """Run both and print what they cost."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--data", type=Path, required=True)
+    parser.add_argument("--tolerance", type=float, default=1e-3, help="of a planned step [K]")
+    given = parser.parse_args()
+    problem, lamp = bunny(given.data)
     model, readout = make_model(problem, lamp)
-    start = jnp.full(len(mesh.nodes), problem.start)
-    frames = np.arange(1, steps + 1) * SIZE
-    fine = uniform_steps(frames, steps * SIZE / FINE, (lamp.until,))
+    start = jnp.full(len(problem.mesh.nodes), problem.start)
+    frames = np.arange(1, problem.steps + 1) * SIZE
+    fine = uniform_steps(frames, frames[-1] / FINE, (lamp.until,))
     exact = np.asarray(run(model, start, fine, readout, 1e-9))
 
     def planned() -> TimeGrid:
@@ -125,7 +131,7 @@ def main() -> None:
     first = time.perf_counter() - begun
     ends, cpu, wall = clock(lambda: jax.block_until_ready(run(model, start, grid, readout, 1e-4)))
     found = between_steps(np.asarray(grid.frame_time), np.asarray(ends), frames, (lamp.until,))
-    common = {"problem": problem.name, "task": "forward", "nodes": len(mesh.nodes)}
+    common = {"problem": problem.name, "task": "forward", "nodes": len(problem.mesh.nodes)}
     ours = {
         **common, "who": "thermo", "steps": len(grid.size), "cpu_s": cpu, "wall_s": wall,
         "cpu_ms_per_step": 1e3 * cpu / len(grid.size), "compile_s": first - wall,
@@ -134,13 +140,13 @@ def main() -> None:
     }  # fmt: skip
     print(json.dumps(ours))
     loop = Loop(problem)
-    ends, cpu, wall = clock(loop.forward, known)
+    ends, cpu, wall = clock(loop.forward, problem.conductivity)
     places = loop.places[np.argsort(loop.place)][loop.nodes]
     nodes = np.asarray(readout.nodes)[:, 0]
     order = KDTree(places).query(np.asarray(model.space.mesh.nodes)[nodes])[1]
     theirs = {
-        **common, "who": "scipy", "steps": steps, "cpu_s": cpu, "wall_s": wall,
-        "cpu_ms_per_step": 1e3 * cpu / steps, "compile_s": 0.0, "peak_gb": peak_gb(),
+        **common, "who": "scipy", "steps": problem.steps, "cpu_s": cpu, "wall_s": wall,
+        "cpu_ms_per_step": 1e3 * cpu / problem.steps, "compile_s": 0.0, "peak_gb": peak_gb(),
         "diff_K": float(np.abs(ends[:, order] - exact).max()), "rtol": loop.rtol,
     }  # fmt: skip
     print(json.dumps(theirs))
