@@ -169,7 +169,8 @@ def test_half_of_the_area_lies_below_the_median(seed: int) -> None:
     field, areas = noise(old, seed), face_areas(old)
     middle = medians({"convection": field}, old, old)["convection"][1][0]
     for part in (field.faces < middle, field.faces > middle):
-        assert areas[part].sum() <= 0.5 * areas.sum() + 0.5 * areas.max()
+        bound = 0.5 * areas.sum() + 0.5 * areas.max()
+        assert areas[part].sum() <= bound * (1 + 1e-12)
 
 
 def test_two_materials_are_laid_out_anew_and_survive_their_file(tmp_path: Path) -> None:
@@ -187,7 +188,7 @@ def test_two_materials_are_laid_out_anew_and_survive_their_file(tmp_path: Path) 
     assert np.allclose(np.asarray(found[0])[along < 0.010], 1.0, rtol=1e-3)
     stated = Stated(1.0, 2e6, 8.0, 0.9)
     fields = {"conductivity": field}
-    fit = Estimate(old, 2, stated, fields, {}, [[1.0]], True, 1.0, "well resolved")
+    fit = Estimate(old, 2, stated, fields, {}, [[1.0]], True, 1.0, "well resolved", {})
     save_estimate(tmp_path / "estimate.npz", fit)
     again = load_estimate(tmp_path / "estimate.npz")[3]["conductivity"].boundary
     assert again is not None
