@@ -21,7 +21,8 @@ import numpy as np
 
 from thermo.inverse import LevenbergMarquardt, Meshing, OnControlPoints, Prior, Stepping
 from thermo.inverse._objective import jacobian, start
-from thermo.inverse._task import Task, make_objective, prepare
+from thermo.inverse._stages import make_objective
+from thermo.inverse._task import Task, prepare
 from thermo.observe import read_scene
 
 HERE = Path(__file__).parent

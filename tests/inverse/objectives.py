@@ -12,7 +12,7 @@ from thermo.fields import QUANTITIES
 from thermo.inverse import AbstractFieldChoice, OnControlPoints
 from thermo.inverse._case import Case, make_case, stack_cases
 from thermo.inverse._minimise import Stage
-from thermo.inverse._objective import FieldPrior, Objective, Parameters, start, with_fields
+from thermo.inverse._objective import FieldPrior, Objective, Parameters, start
 from thermo.inverse._properties import Stated
 from thermo.mesh import box_mesh
 from thermo.observe import Run
@@ -70,12 +70,8 @@ def measured(cases: list[Case]) -> Objective:
 def at(objective: Objective) -> Stage:
     """A stage with this objective, from where the stage before it ended."""
 
-    def made(before: Parameters | None) -> Objective:
-        return (
-            objective
-            if before is None
-            else replace(objective, fields=with_fields(objective, before))
-        )
+    def made(before: Objective | None) -> Objective:
+        return objective if before is None else replace(objective, fields=before.fields)
 
     return made
 

@@ -34,7 +34,7 @@ def recovered(name: str = "conductivity", unit: str = "W/m/K") -> RecoveredField
 def estimate() -> Estimate:
     fields = {"conductivity": recovered(), "emissivity": recovered("emissivity", "1")}
     stated = Stated(0.8, 1.54e6, 25.0, 0.6)
-    return Estimate(MESH, 2, stated, fields, {}, [[2.0, 1.0]], True, 1.0, "fine")
+    return Estimate(MESH, 2, stated, fields, {}, [[2.0, 1.0]], True, 1.0, "fine", {})
 
 
 def test_what_is_saved_is_loaded(tmp_path: Path) -> None:

@@ -19,6 +19,7 @@ from thermo.inverse import (
     Estimate,
     Meshing,
     OnControlPoints,
+    Prior,
     Stepping,
     TwoMaterials,
     Uniform,
@@ -135,7 +136,9 @@ def test_the_second_stage_starts_from_exactly_the_first_ones_field(
 ) -> None:
     walk = Walk()
     quadratic = replace(meshing, order=2)
-    estimate = stroll(block, quadratic, optimiser=walk, choice=OnControlPoints(count=4))
+    fixed = Prior(step=0.3)
+    choice = OnControlPoints(count=4)
+    estimate = stroll(block, quadratic, optimiser=walk, choice=choice, prior=fixed)
     first, second = walk.seen[:3], walk.seen[3:]
     assert [np.shape(o.space.mesh.cells)[1] for o, _ in first] == [4, 4, 4]
     assert [np.shape(o.space.mesh.cells)[1] for o, _ in second] == [10, 10, 10]
@@ -234,3 +237,20 @@ def test_names_are_checked_before_any_work(scene: Scene, monkeypatch: pytest.Mon
     for more in wrong:
         with pytest.raises(InputError):
             invert(scene, **more)
+
+
+def test_the_data_call_one_material_uniform(block: Path, meshing: Meshing) -> None:
+    quadratic = replace(meshing, order=2)
+    stepping = Stepping(tolerance=0.02)
+    how = {"meshing": quadratic, "stepping": stepping}
+    choice = OnControlPoints(count=12)
+    estimate = invert(block, runs=("lamp",), initial=START, choice=choice, **how)
+    field = estimate.fields["conductivity"]
+    assert estimate.smoothness["conductivity"] <= 0.02
+    assert any("no variation of conductivity" in remark for remark in estimate.remarks)
+    assert np.ptp(field.faces) < 0.02 * CONDUCTIVITY
+    assert float(np.median(field.faces)) == pytest.approx(CONDUCTIVITY, rel=0.02)
+    # Linear cells, then quadratic ones with the choice, and once more where that changed.
+    assert 2 <= len(estimate.history) <= 3
+    for run in estimate.runs.values():
+        assert run.deviation >= np.hypot(run.noise, 0.01) * (1 - 1e-9)

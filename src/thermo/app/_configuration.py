@@ -129,11 +129,12 @@ def build_meshing(section: Section) -> Meshing:
 
 def build_prior(section: Section) -> Prior:
     """The prior of a configuration. Raises `InputError`."""
-    step, decay = number(section, "step", "prior."), number(section, "decay", "prior.")
-    if not (step > 0 and decay >= 0):
+    step = None if section["step"] is None else number(section, "step", "prior.")
+    decay = number(section, "decay", "prior.")
+    if not ((step is None or step > 0) and decay >= 0):
         raise InputError(
             "the prior makes no sense", where="prior", value=f"step {step}, decay {decay}",
-            limit="step above 0, decay not negative", remedy="leave prior at its default",
+            limit="step null or above 0, decay not negative", remedy="leave prior at its default",
         )  # fmt: skip
     return Prior(step=step, decay=decay)
 

@@ -44,12 +44,15 @@ class RunFit:
     """How one run was fitted.
 
     - `rmse` [K]; `noise`: of a reading from frame to frame [K].
+    - `deviation`: standard deviation that each reading counted with, so that the run weighs as
+      much as the independent readings that it holds [K].
     - `time` (frames,) [s]; `points` (samples, 3) [m].
     - `measured`, `simulated` (frames, samples) [K]; a value that was not valid is NaN.
     """
 
     rmse: float
     noise: float
+    deviation: float
     time: Float[np.ndarray, " frames"]
     points: Float[np.ndarray, "samples 3"]
     measured: Float[np.ndarray, "frames samples"]
@@ -65,6 +68,8 @@ class Estimate:
     - `stated`: uniform values of everything else [SI]; `fields`: what was recovered, by name.
     - `runs`: how each run was fitted; `history`: loss after each step of each stage [1].
     - `success`; `seconds` [s]; `resolution`: a sentence on how well the skin is resolved.
+    - `smoothness`: by field, standard deviation of log(phi) between neighbouring controls [1];
+      empty where there are no neighbours.
     - `remarks`: sentences on what a reader of the result should know.
     """
 
@@ -77,6 +82,7 @@ class Estimate:
     success: bool
     seconds: float
     resolution: str
+    smoothness: dict[str, float]
     remarks: tuple[str, ...] = ()
 
 

@@ -20,8 +20,10 @@ from thermo.inverse._optimiser import AbstractOptimiser
 from thermo.inverse._properties import check_unknowns, diffusivity_quantile
 from thermo.inverse._run_fit import run_fits
 from thermo.inverse._selection import select_fit_runs, select_unknowns
+from thermo.inverse._smoothing import ALL_BUT_UNIFORM
+from thermo.inverse._stages import data_choose, make_stage, stage_orders
 from thermo.inverse._stepping import Stepping
-from thermo.inverse._task import Prior, Task, make_stage, prepare, stage_orders
+from thermo.inverse._task import Prior, Task, prepare
 from thermo.mesh import resolution
 from thermo.observe import Scene, read_scene
 
@@ -84,7 +86,7 @@ def invert(
 
 def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: float) -> Estimate:
     ready = prepare(task)
-    orders = stage_orders(task)
+    orders = stage_orders(task, ready)
     fit = minimise(
         [functools.partial(make_stage, task, ready, number) for number in range(len(orders))],
         task.optimiser,
@@ -96,6 +98,8 @@ def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: flo
     values = {name: (item.cell_values(), item.face_values()) for name, item in found.items()}
     diffusivity = diffusivity_quantile(ready.stated, values, len(ready.mesh.cells), 0.5)
     resolved = resolution(ready.mesh, diffusivity=diffusivity, duration=duration(task.scene))
+    priors = fit.objective.priors
+    smoothness = {name: float(p.step) for name, p in priors.items() if len(p.pairs)}
     met = run_fits(fit, task.runs, ready.grids)
     return Estimate(
         mesh=ready.mesh,
@@ -107,7 +111,12 @@ def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: flo
         success=fit.success,
         seconds=time.monotonic() - begun,
         resolution=resolved.describe(),
-        remarks=(*_one_material(task, found), *_unexplained(task, met)),
+        smoothness=smoothness,
+        remarks=(
+            *_one_material(task, found),
+            *(_chosen(smoothness) if data_choose(task, ready) else ()),
+            *_unexplained(task, met),
+        ),
     )
 
 
@@ -116,6 +125,16 @@ def _one_material(task: Task, found: dict[str, AbstractField]) -> list[str]:
         f"The first stage shows one material in {name}: it was fitted on control points."
         for name, item in found.items()
         if isinstance(task.choice, TwoMaterials) and not isinstance(item, TwoMaterialField)
+    ]
+
+
+def _chosen(smoothness: dict[str, float]) -> list[str]:
+    return [
+        f"The data show no variation of {name} over the surface."
+        if step <= ALL_BUT_UNIFORM
+        else f"The data ask for a {name} that varies by {100 * step:.2g} % from one control point "
+        "to the next."
+        for name, step in smoothness.items()
     ]
 
 

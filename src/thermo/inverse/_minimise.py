@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import final
 
@@ -17,15 +17,16 @@ from thermo.inverse._checkpoint import (
     parameters_of,
     save_checkpoint,
 )
-from thermo.inverse._objective import Objective, Parameters, start
+from thermo.inverse._objective import Objective, Parameters, start, with_fields
 from thermo.inverse._optimiser import AbstractOptimiser
 
 OnStep = Callable[[int, int, float], None]
 """Called after each step with its number, the most that all stages can make, and the loss [1]."""
 
 
-Stage = Callable[[Parameters | None], Objective]
-"""Makes the objective of a stage from where the one before ended, None for the first."""
+Stage = Callable[[Objective | None], Objective | None]
+"""Makes the objective of a stage from that of the one before, whose fields stand where it ended;
+from None for the first. None where nothing is left to do."""
 
 
 @final
@@ -69,11 +70,10 @@ def minimise(
     Source: paper, appendix B.8 (checklist E6, E7).
     """
     saved = None if checkpoint is None else load_checkpoint(checkpoint, key)
-    objective = stages[0](None)
-    ended = [] if saved is None else saved.ends
-    for number, leaves in enumerate(ended):
-        before = parameters_of(leaves, start(objective), str(checkpoint))
-        objective = stages[number + 1](before)
+    objective = _made(stages[0](None))
+    for number, leaves in enumerate([] if saved is None else saved.ends):
+        ended = parameters_of(leaves, start(objective), str(checkpoint))
+        objective = _made(stages[number + 1](_standing(objective, ended)))
 
     def told(number: int, loss: float) -> None:
         if on_step is not None:
@@ -83,12 +83,23 @@ def minimise(
     fit = _run_stage(objective, optimiser, now, checkpoint, told)
     while len(now.ends) + 1 < len(stages):
         ends = [*now.ends, leaves_of(fit.parameters)]
-        objective = stages[len(ends)](fit.parameters)
+        objective = stages[len(ends)](_standing(fit.objective, fit.parameters))
+        if objective is None:
+            break
         now = _beginning(key, objective, ends, fit.history)
         fit = _run_stage(objective, optimiser, now, checkpoint, told)
     if checkpoint is not None:
         checkpoint.unlink(missing_ok=True)
     return fit
+
+
+def _made(objective: Objective | None) -> Objective:
+    assert objective is not None, "the first stage, and one that was begun, always have work"
+    return objective
+
+
+def _standing(objective: Objective, parameters: Parameters) -> Objective:
+    return replace(objective, fields=with_fields(objective, parameters))
 
 
 def _beginning(

@@ -48,14 +48,24 @@ class FieldPrior(eqx.Module):
     decay: Float[Array, ""]
 
 
-def prior_residual(prior: FieldPrior, field: AbstractField) -> Float[Array, " terms"]:
-    """Dimensionless residuals [1] of a field's smoothness, prior and parameter size."""
+def neighbour_differences(prior: FieldPrior, field: AbstractField) -> Float[Array, " pairs"]:
+    """By how much neighbours differ in what the field holds to be smooth [1]."""
     values = field.smooth_values()
-    smooth = (values[prior.pairs[:, 0]] - values[prior.pairs[:, 1]]) / prior.step
+    return values[prior.pairs[:, 0]] - values[prior.pairs[:, 1]]
+
+
+def belief_residual(prior: FieldPrior, field: AbstractField) -> Float[Array, " terms"]:
+    """Dimensionless residuals [1] of a field's prior value and parameter size."""
     log = jnp.log(field.control_values())
     about = (jnp.mean(log, keepdims=True) - jnp.log(prior.centre)) / prior.spread
     flat, _ = ravel_pytree(field.parameters())
-    return jnp.concatenate([smooth, about, jnp.sqrt(prior.decay) * flat])
+    return jnp.concatenate([about, jnp.sqrt(prior.decay) * flat])
+
+
+def prior_residual(prior: FieldPrior, field: AbstractField) -> Float[Array, " terms"]:
+    """Dimensionless residuals [1] of a field's smoothness, then of its other priors."""
+    smooth = neighbour_differences(prior, field) / prior.step
+    return jnp.concatenate([smooth, belief_residual(prior, field)])
 
 
 @final

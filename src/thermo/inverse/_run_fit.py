@@ -35,6 +35,7 @@ def run_fits(fit: Fit, runs: tuple[Run, ...], grids: dict[str, TimeGrid]) -> dic
         whitened = eqx.filter_jit(residual)(objective, fit.parameters)
     apart = _differences(objective, whitened)
     measured = [np.asarray(one) for case in objective.cases for one in case.data]
+    heaviest = [float(np.max(one)) for case in objective.cases for one in case.weight]
     result = {}
     for number, run in enumerate(runs):
         place = objective.sequence.index(number)
@@ -44,6 +45,7 @@ def run_fits(fit: Fit, runs: tuple[Run, ...], grids: dict[str, TimeGrid]) -> dic
         result[run.name] = RunFit(
             rmse=float(np.sqrt(np.nanmean(difference**2))),
             noise=estimate_noise(run.recording).white,
+            deviation=1 / heaviest[place],
             time=np.asarray(grids[run.name].frame_time),
             points=run.recording.points,
             measured=np.where(np.isnan(difference), np.nan, measured[place][:frames, :samples]),

@@ -6,41 +6,20 @@ import hashlib
 from dataclasses import dataclass, field, replace
 from typing import final
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 
 from thermo.fields import QUANTITIES, AbstractField
-from thermo.inverse._body import (
-    Meshing,
-    make_mesh,
-    of_order,
-    scan_conductivity,
-    state,
-    surface_of,
-)
-from thermo.inverse._case import group_cases, make_case, stack_cases
-from thermo.inverse._field_choice import AbstractFieldChoice, AbstractStagedChoice
-from thermo.inverse._least_squares import LevenbergMarquardt
-from thermo.inverse._objective import FieldPrior, Objective, Parameters
+from thermo.inverse._body import Meshing, make_mesh, scan_conductivity, state, surface_of
+from thermo.inverse._field_choice import AbstractFieldChoice
+from thermo.inverse._objective import FieldPrior
 from thermo.inverse._optimiser import AbstractOptimiser
 from thermo.inverse._properties import Stated
-from thermo.inverse._stepping import COARSER, Stepping, fit_frames, planned_steps
+from thermo.inverse._smoothing import WEAK_STEP
+from thermo.inverse._stepping import Stepping, fit_frames, planned_steps
 from thermo.mesh import Mesh
 from thermo.observe import Run, Scene
-from thermo.physics import ConjugateGradient, TimeGrid, discretise
-
-FEW_UNKNOWNS = 8
-"""Up to this many unknowns [1] the exact Jacobian is taken: it costs a few runs at most."""
-
-TANGENT_RTOL = 1e-2
-"""Relative tolerance [1] of the linear solver for coarse tangents, which are no better anyway."""
-
-# Shares of the loss [1] that a step must promise for a fit to go on. Coarse tangents differ from
-# the true ones by 0.1 to 0.2 and still promise 1e-3 to 3e-3 where the true ones promise nothing
-# more (benchmarks/coarse_tangents.py); what an early stage leaves the last one does.
-SETTLED_COARSE = 3e-3
-SETTLED_EARLY = 1e-2
+from thermo.physics import TimeGrid
 
 
 @final
@@ -49,12 +28,13 @@ class Prior:
     """What is believed before the data.
 
     - `step`: standard deviation of log(phi) between neighbouring controls [1]; small is smooth.
+      None lets the data choose, for fields on control points and patches.
     - `spread`: by quantity, the standard deviation of log(phi) about its initial value [1];
       quantities that the scene's own prior names take it from there.
     - `decay`: weight of the squared parameters [1].
     """
 
-    step: float = 0.3
+    step: float | None = None
     spread: dict[str, float] = field(default_factory=dict)
     decay: float = 0.0
 
@@ -70,7 +50,7 @@ def _priors(
     return {
         name: FieldPrior(
             pairs=jnp.asarray(pairs[name]),
-            step=jnp.asarray(prior.step),
+            step=jnp.asarray(WEAK_STEP if prior.step is None else prior.step),
             centre=jnp.asarray(stated.of(name)),
             spread=jnp.asarray(spread.get(name, np.inf)),
             decay=jnp.asarray(prior.decay),
@@ -156,78 +136,3 @@ def prepare(task: Task) -> Ready:
     grids = {run.name: fit_frames(run, task.stepping) for run in task.runs}
     steps = {run.name: planned_steps(mesh, stated, run, task.stepping) for run in task.runs}
     return Ready(mesh, stated, fields, priors, grids, steps)
-
-
-def stage_orders(task: Task) -> tuple[int, ...]:
-    """The order [1] of the cells in each stage."""
-    if task.stages == "tet4_tet10" and task.meshing.order == 2:
-        return 1, 2
-    return (task.meshing.order,) * (2 if isinstance(task.choice, AbstractStagedChoice) else 1)
-
-
-def make_stage(task: Task, ready: Ready, number: int, before: Parameters | None) -> Objective:
-    """The objective of a stage, which starts where the stage `before` it ended [1]."""
-    orders = stage_orders(task)
-    last = number + 1 == len(orders)
-    if before is not None:
-        ready = _go_on(task, ready, before)
-    objective = make_objective(task, ready, orders[number])
-    return objective if last else replace(objective, settled=SETTLED_EARLY)
-
-
-def _go_on(task: Task, ready: Ready, before: Parameters) -> Ready:
-    fields, priors = {}, {}
-    for number, (name, begun) in enumerate(ready.fields.items()):
-        prior, ended = ready.priors[name], begun.with_parameters(before[name])
-        pairs = np.asarray(prior.pairs)
-        if isinstance(task.choice, AbstractStagedChoice):
-            ended, pairs = task.choice.go_on(ended, pairs, ready.mesh, task.seed + number)
-        fields[name] = ended
-        priors[name] = replace(prior, pairs=jnp.asarray(pairs))
-    return replace(ready, fields=fields, priors=priors)
-
-
-def make_objective(task: Task, ready: Ready, order: int) -> Objective:
-    """The objective on cells of an order [1], with coarse tangents where they are wanted."""
-    unknowns = sum(
-        leaf.size for field in ready.fields.values() for leaf in jax.tree.leaves(field.parameters())
-    )
-    wanted = task.meshing.coarse_tangents
-    coarse = unknowns > FEW_UNKNOWNS if wanted is None else wanted
-    plain = _plain(task, ready, order, ready.steps, task.stepping.rtol)
-    if not (coarse and isinstance(task.optimiser, LevenbergMarquardt)):
-        return plain
-    steps = {
-        run.name: planned_steps(ready.mesh, ready.stated, run, task.stepping, coarser=COARSER)
-        for run in task.runs
-    }
-    tangents = _plain(task, ready, 1, steps, max(task.stepping.rtol, TANGENT_RTOL))
-    return replace(plain, tangents=tangents, settled=SETTLED_COARSE)
-
-
-def _plain(
-    task: Task, ready: Ready, order: int, steps: dict[str, TimeGrid | None], rtol: float
-) -> Objective:
-    space = discretise(of_order(ready.mesh, order))
-    cases = [
-        make_case(
-            run,
-            space,
-            ready.grids[run.name],
-            steps=steps[run.name],
-            model_error=task.model_error,
-            where=f"{task.scene.folder}: runs.{run.name}.recording",
-        )
-        for run in task.runs
-    ]
-    return Objective(
-        space,
-        ready.stated,
-        ready.fields,
-        ready.priors,
-        stack_cases(cases),
-        task.stepping.integrator,
-        ConjugateGradient(rtol=rtol),
-        task.stepping.lagged,
-        sequence=tuple(number for group in group_cases(cases) for number in group),
-    )

@@ -30,7 +30,9 @@ def inversion_record(estimate: Estimate, configuration: Mapping[str, Any]) -> di
         "fit": {
             "rmse": {name: run.rmse for name, run in estimate.runs.items()},
             "noise": {name: run.noise for name, run in estimate.runs.items()},
+            "deviation": {name: run.deviation for name, run in estimate.runs.items()},
             "rmse_unit": "K",
+            "smoothness": estimate.smoothness,
             "frames": {name: len(run.time) for name, run in estimate.runs.items()},
             "loss": estimate.history,
             "iterations": [len(stage) for stage in estimate.history],
