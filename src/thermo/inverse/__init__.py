@@ -28,6 +28,7 @@ from thermo.inverse._least_squares import GaussNewtonKrylov, LevenbergMarquardt
 from thermo.inverse._objective import Objective, residual
 from thermo.inverse._optimiser import AbstractOptimiser
 from thermo.inverse._predict import predict, simulate
+from thermo.inverse._sensitivity import Sensitivity, sensitivity
 from thermo.inverse._stepping import Stepping
 from thermo.inverse._task import Prior
 
@@ -51,6 +52,7 @@ __all__ = [
     "RecoveredField",
     "RunFit",
     "Scores",
+    "Sensitivity",
     "Stepping",
     "TwoMaterials",
     "Uniform",
@@ -62,6 +64,7 @@ __all__ = [
     "save_checkpoint",
     "save_estimate",
     "score",
+    "sensitivity",
     "simulate",
     "summary",
     "surface_values",

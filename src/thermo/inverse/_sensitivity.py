@@ -1,0 +1,103 @@
+"""How recorded temperatures change with what is unknown, before anything is fitted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.flatten_util import ravel_pytree
+from jaxtyping import Array, Float
+
+from thermo.errors import InputError
+from thermo.inverse._body import Meshing, check_values
+from thermo.inverse._field_choice import AbstractFieldChoice, Uniform
+from thermo.inverse._first_order import Adam
+from thermo.inverse._objective import Objective, jacobian, start, with_fields
+from thermo.inverse._properties import check_unknowns
+from thermo.inverse._selection import select_fit_runs, select_unknowns
+from thermo.inverse._stages import make_objective
+from thermo.inverse._stepping import Stepping
+from thermo.inverse._task import Prior, Task, prepare
+from thermo.observe import Scene, read_scene
+
+
+@final
+@dataclass(frozen=True)
+class Sensitivity:
+    """Derivatives of the temperatures by the logarithms of the unknowns' values at their controls.
+
+    - `names`: quantity of each column, (unknowns,).
+    - `slopes`: by run, dT / d log(phi), (frames, samples, unknowns) [K]; zero without a reading.
+    - `noise`: by run, standard deviation of a reading, wider where frames are correlated [K].
+    """
+
+    names: tuple[str, ...]
+    slopes: dict[str, Float[np.ndarray, "frames samples unknowns"]]
+    noise: dict[str, float]
+
+
+def sensitivity(
+    data: Scene | str | Path,
+    *,
+    runs: tuple[str, ...] | None = None,
+    unknown: tuple[str, ...] | None = None,
+    choice: AbstractFieldChoice | None = None,
+    stepping: Stepping | None = None,
+    meshing: Meshing | None = None,
+    initial: dict[str, float] | None = None,
+    seed: int = 0,
+) -> Sensitivity:
+    """Slopes of the recorded temperatures [K] at the values that the scene states.
+
+    Arguments as for `invert`; `choice` is one value for the body by default. The temperatures of
+    the recordings are not used, unless a conductivity that nobody states is to be found: then to
+    choose one roughly. Raises `InputError` as `invert` does.
+    """
+    scene = data if isinstance(data, Scene) else read_scene(Path(data))
+    names = select_unknowns(scene, unknown)
+    initial = {} if initial is None else initial
+    check_unknowns(names, scene, initial)
+    check_values(initial, names)
+    picked = tuple(select_fit_runs(scene, runs))
+    # No optimiser steps here; any that takes no tangents of its own will do.
+    how = (choice or Uniform(), Adam(), Prior())
+    cut = (stepping or Stepping(), meshing or Meshing())
+    task = Task(scene, picked, names, *how, *cut, "none", initial, seed, 0.0)
+    objective = make_objective(task, prepare(task), task.meshing.order)
+    _, matrix = eqx.filter_jit(jacobian)(objective, start(objective))
+    return _in_kelvin(objective, np.asarray(matrix), task)
+
+
+def _in_kelvin(objective: Objective, matrix: np.ndarray, task: Task) -> Sensitivity:
+    flat, unravel = ravel_pytree(start(objective))
+
+    def logarithms(point: Float[Array, " unknowns"]) -> Float[Array, " controls"]:
+        fields = with_fields(objective, unravel(point)).values()
+        return jnp.concatenate([jnp.log(field.control_values()) for field in fields])
+
+    change = np.asarray(jax.jacfwd(logarithms)(flat))
+    if change.shape[0] != change.shape[1]:
+        raise InputError(
+            "this field has other unknowns than the values at its control points",
+            where="choice",
+            value=type(task.choice).__name__,
+            limit="one unknown a control point",
+            remedy="give Uniform, Patchwise or OnControlPoints",
+        )
+    matrix = matrix @ np.linalg.inv(change)
+    slopes, noise, begin, numbers = {}, {}, 0, iter(objective.sequence)
+    for case in objective.cases:
+        for weight in np.asarray(case.weight):
+            run = task.runs[next(numbers)]
+            part = matrix[begin : begin + weight.size].reshape(*weight.shape, -1)
+            begin += weight.size
+            noise[run.name] = 1 / float(weight.max())
+            slopes[run.name] = part[:, : len(run.recording.points)] * noise[run.name]
+    sizes = [(name, field.control_values().size) for name, field in objective.fields.items()]
+    columns = tuple(name for name, size in sizes for _ in range(size))
+    return Sensitivity(columns, slopes, noise)

@@ -1,0 +1,71 @@
+"""Slopes of recorded temperatures, against differences of simulations."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from thermo.errors import InputError
+from thermo.inverse import (
+    Adam,
+    Meshing,
+    Network,
+    Patchwise,
+    Prior,
+    Stepping,
+    Uniform,
+    sensitivity,
+)
+from thermo.inverse._objective import residual, start
+from thermo.inverse._stages import make_objective
+from thermo.inverse._task import Task, prepare
+from thermo.observe import Scene
+
+VALUE = 0.8
+RUNS = ("lamp", "cooling")
+
+
+def test_slopes_are_differences_of_simulations(scene: Scene, meshing: Meshing) -> None:
+    stepping, initial = Stepping(tolerance=0.02), {"conductivity": VALUE}
+    found = sensitivity(scene, runs=RUNS, initial=initial, meshing=meshing, stepping=stepping)
+    picked = tuple(scene.runs[name] for name in RUNS)
+    how = (Uniform(), Adam(), Prior(), stepping, meshing, "none", initial, 0, 0.0)
+    task = Task(scene, picked, ("conductivity",), *how)
+    # On one mesh: simulations of their own would each be meshed for their own diffusivity.
+    objective = make_objective(task, prepare(task), meshing.order)
+
+    @eqx.filter_jit
+    def at(raw: jax.Array) -> tuple[jax.Array, jax.Array]:
+        field = objective.fields["conductivity"].with_parameters(raw)
+        return residual(objective, {"conductivity": raw}), jnp.log(field.control_values())
+
+    (raw,) = start(objective).values()
+    (more, above), (less, below) = at(raw + 1e-3), at(raw - 1e-3)
+    wanted = np.asarray((more - less) / (above - below)[0])
+    for number, name in enumerate(RUNS):
+        slope, noise = found.slopes[name][..., 0], found.noise[name]
+        place = objective.sequence.index(number)
+        shape = objective.cases[0].data.shape
+        mine = wanted[: np.prod(shape)].reshape(shape)[place] * noise
+        assert np.abs(slope - mine[:, : slope.shape[1]]).max() < 1e-4 * np.abs(slope).max()
+    assert found.names == ("conductivity",)
+
+
+def test_patches_share_the_slope_of_the_whole(block: Path, meshing: Meshing) -> None:
+    how = {"initial": {"conductivity": VALUE}, "meshing": meshing, "runs": ("cooling",)}
+    whole = sensitivity(block, **how).slopes["cooling"]
+    parts = sensitivity(block, choice=Patchwise(patches=3), **how)
+    assert parts.names == ("conductivity",) * 3
+    total = parts.slopes["cooling"].sum(-1, keepdims=True)
+    assert np.abs(total - whole).max() < 1e-3 * np.abs(whole).max()
+
+
+def test_a_network_is_refused(block: Path, meshing: Meshing) -> None:
+    with pytest.raises(InputError, match="other unknowns than the values"):
+        sensitivity(block, runs=("cooling",), initial={"conductivity": VALUE}, meshing=meshing,
+                    choice=Network(count=3, width=4, depth=1))  # fmt: skip
