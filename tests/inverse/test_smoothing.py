@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from thermo.inverse._objective import Objective, residual, start
-from thermo.inverse._smoothing import ALL_BUT_UNIFORM, chosen_by_data, much_the_same
+from thermo.inverse._smoothing import ALL_BUT_UNIFORM, ask_data, much_the_same, with_choice
 from thermo.observe import Scene
 
 from .objectives import case, measured
@@ -42,6 +42,10 @@ def with_noise(objective: Objective, noise: list[np.ndarray]) -> Objective:
 def white(objective: Objective, seed: int) -> np.ndarray:
     shape = objective.cases[0].data.shape[1:]
     return np.random.default_rng(seed).standard_normal(shape)
+
+
+def chosen_by_data(objective: Objective, samples: list[np.ndarray]) -> Objective:
+    return with_choice(objective, ask_data(objective, samples))
 
 
 def lighter(before: Objective, after: Objective) -> np.ndarray:

@@ -23,10 +23,6 @@ FIRST_STEP = 1e2
 # Largest change of a parameter in one step [1]; fields are logarithmic, so a factor e.
 LONGEST = 1.0
 
-# Gain of a step [1] below which a fit has settled, in units of log-likelihood; an objective adds a
-# share of the loss, for fits whose misfit is far above the noise.
-SETTLED = 0.05
-
 # Trials in a row [1] that may fail where coarse tangents steer: from there they no longer know
 # which way is down, and shorter steps along them would only cost time. That is no success.
 STALLED = 3
@@ -167,13 +163,15 @@ def _advance(
     loss = 0.5 * jnp.sum(state.f_info.residual**2)
     # The loss is half a chi-squared: a step that promises less than this moves no parameter by
     # more than a fraction of its own uncertainty. A step that is cut promises less than there is.
-    settled = state.descent_state.most() < jnp.maximum(SETTLED, objective.settled * loss)
+    least = jnp.maximum(objective.gain, objective.settled * loss)
+    settled = state.descent_state.most() < least
     stalled = jnp.zeros_like(settled)
     if objective.tangents is not None:
         # What coarse tangents promise is not what they gain: a gain as small as that ends it too,
         # as long as the step was not shortened for lack of trust.
         gain = 0.5 * jnp.sum(before.f_info.residual**2) - loss
         little = objective.settled * loss * before.search_state.step_size / FIRST_STEP
+        little = jnp.maximum(little, objective.gain)
         settled = settled | (~before.first_step & (gain > 0) & (gain < little))
         stalled = state.num_steps_since_acceptance >= STALLED
     fine = (done & (result == optx.RESULTS.successful)) | settled
@@ -289,7 +287,7 @@ def _advance_krylov(
     loss = 0.5 * jnp.sum(value**2)
     predicted = part * along + part**2 * across
     moved = accept & begun
-    settled = -(along + across) < jnp.maximum(SETTLED, objective.settled * loss)
+    settled = -(along + across) < jnp.maximum(objective.gain, objective.settled * loss)
     settled = settled | (moved & jnp.all(jnp.abs(flat - stood) < rtol * (1 + jnp.abs(flat))))
     return unravel(flat), _Trial(step, loss, flat + move, predicted), loss, (settled, settled)
 

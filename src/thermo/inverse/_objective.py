@@ -77,7 +77,8 @@ class Objective(eqx.Module):
     - `tangents`: a cheaper objective of the same shape whose dense Jacobian stands in, or None.
     - `sequence`: the numbers of the runs in the order in which `cases` hold them.
     - `integrator`, `solver`: of the simulation; `lagged`: the paper's radiation.
-    - `settled`: a fit ends where a step promises less than this share of the loss [1].
+    - `settled`: a fit ends where a step promises less than this share of the loss [1], or
+      `gain`, in units of log-likelihood [1].
 
     Source: paper, appendix B.7 (checklist D4, E1, E2, E5).
     """
@@ -93,6 +94,7 @@ class Objective(eqx.Module):
     tangents: Objective | None = None
     sequence: tuple[int, ...] = eqx.field(static=True, default=())
     settled: float = eqx.field(static=True, default=1e-4)
+    gain: float = eqx.field(static=True, default=0.05)
 
 
 def start(objective: Objective) -> Parameters:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from typing import Final
+from dataclasses import dataclass, replace
+from typing import Final, final
 
 import equinox as eqx
 import jax
@@ -35,8 +35,21 @@ ALL_BUT_UNIFORM: Final = 0.01
 _SAME_STEP, _SAME_WEIGHT = 2.0, 1.5
 
 
-def chosen_by_data(objective: Objective, samples: Sequence[np.ndarray]) -> Objective:
-    """The objective with the smoothness and the weights [1] that the data ask for.
+@final
+@dataclass(frozen=True)
+class Choice:
+    """What the data ask for.
+
+    - `steps`: by field, standard deviation of log(phi) between neighbours [1].
+    - `weights`: of each run, a factor on those of its readings, at most 1, (runs,) [1].
+    """
+
+    steps: dict[str, float]
+    weights: Float[np.ndarray, " runs"]
+
+
+def ask_data(objective: Objective, samples: Sequence[np.ndarray]) -> Choice:
+    """The smoothness and the weights [1] that the data ask for where a fit stands.
 
     First the field is let loose: what a linearised fit with little smoothness leaves is no field's
     doing, but noise and the errors of the simulation. Where that rest is larger than the noise
@@ -67,7 +80,7 @@ def chosen_by_data(objective: Objective, samples: Sequence[np.ndarray]) -> Objec
         square = float(np.mean(rest[part][known.ravel()] ** 2))
         inflation = max(1.0, square * repeats(error, known[:, : len(places)], places))
         share[part], weights[run] = 1 / inflation, 1 / np.sqrt(inflation)
-    return _apply(objective, most_probable_steps(near(share)), weights)
+    return Choice(most_probable_steps(near(share)), weights)
 
 
 def much_the_same(one: Objective, other: Objective) -> bool:
@@ -134,19 +147,18 @@ def _runs(
             begin += known.size
 
 
-def _apply(
-    objective: Objective, steps: dict[str, float], weights: Float[np.ndarray, " runs"]
-) -> Objective:
-    """The objective, and its tangents, with these steps and its weights times `weights` [1]."""
+def with_choice(objective: Objective, choice: Choice) -> Objective:
+    """The objective, and its tangents, with the steps and the weights [1] of a choice."""
     priors = {
-        name: replace(prior, step=jnp.asarray(steps[name]))
+        name: replace(prior, step=jnp.asarray(choice.steps[name]))
         for name, prior in objective.priors.items()
     }
     cases, numbers = [], list(objective.sequence)
     for case in objective.cases:
         mine, numbers = numbers[: len(case.weight)], numbers[len(case.weight) :]
-        cases.append(replace(case, weight=case.weight * jnp.asarray(weights[mine])[:, None, None]))
+        factor = jnp.asarray(choice.weights[mine])[:, None, None]
+        cases.append(replace(case, weight=case.weight * factor))
     tangents = objective.tangents
     if tangents is not None:
-        tangents = _apply(tangents, steps, weights)
+        tangents = with_choice(tangents, choice)
     return replace(objective, priors=priors, cases=tuple(cases), tangents=tangents)

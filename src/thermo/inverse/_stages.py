@@ -10,10 +10,10 @@ import numpy as np
 
 from thermo.inverse._body import of_order
 from thermo.inverse._case import group_cases, make_case, stack_cases
-from thermo.inverse._field_choice import AbstractStagedChoice
+from thermo.inverse._field_choice import AbstractStagedChoice, Uniform
 from thermo.inverse._least_squares import LevenbergMarquardt
 from thermo.inverse._objective import Objective
-from thermo.inverse._smoothing import chosen_by_data, much_the_same
+from thermo.inverse._smoothing import ask_data, much_the_same, with_choice
 from thermo.inverse._stepping import COARSER, planned_steps
 from thermo.inverse._task import Ready, Task
 from thermo.physics import ConjugateGradient, TimeGrid, discretise
@@ -23,6 +23,13 @@ FEW_UNKNOWNS = 8
 
 MOST_UNKNOWNS = 500
 """Up to this many unknowns [1] the data choose the smoothness: it takes a dense Jacobian."""
+
+ASKED = 3
+"""How often the data are asked at the most how smooth the fields are [1]."""
+
+GAIN_ASKED = 1.0
+"""Gain of a step [1] below which a fit has settled once readings weigh what they are worth: in
+units of log-likelihood, so that what is left lies within what the data allow."""
 
 TANGENT_RTOL = 1e-2
 """Relative tolerance [1] of the linear solver for coarse tangents, which are no better anyway."""
@@ -50,39 +57,65 @@ def data_choose(task: Task, ready: Ready) -> bool:
 def stage_orders(task: Task, ready: Ready) -> tuple[int, ...]:
     """The order [1] of the cells in each stage.
 
-    Where the data choose the smoothness there are a first stage that knows nothing of it, one with
-    what the data ask for there, and a last one where they then ask for something else.
+    Where the data choose the smoothness, one value for the body is fitted first, then the field,
+    and again where the data then ask for another smoothness.
     """
     order = task.meshing.order
     first = 1 if task.stages == "tet4_tet10" else order
+    both = (first, order) if first != order else (order,)
     if data_choose(task, ready):
-        return first, order, order
-    if first != order or isinstance(task.choice, AbstractStagedChoice):
+        return (*both, *(order,) * ASKED)
+    if isinstance(task.choice, AbstractStagedChoice):
         return first, order
-    return (order,)
+    return both
 
 
 def make_stage(task: Task, ready: Ready, number: int, before: Objective | None) -> Objective | None:
     """The objective of a stage, from where the stage `before` it ended [1].
 
-    None where the last stage would repeat the one before it.
+    None where the stage would repeat the one before it.
     """
     orders = stage_orders(task, ready)
-    if before is not None:
-        ready = _go_on(task, ready, before)
-    objective = make_objective(task, ready, orders[number])
     if not data_choose(task, ready):
+        if before is not None:
+            ready = _go_on(task, ready, before)
+        objective = make_objective(task, ready, orders[number])
         early = number + 1 < len(orders)
         return replace(objective, settled=SETTLED_EARLY) if early else objective
-    if before is None:
-        return replace(objective, settled=SETTLED_EARLY)
-    samples = [run.recording.points for run in task.runs]
-    coarse = objective.tangents or _tangents(task, ready)
-    chosen = chosen_by_data(replace(objective, tangents=coarse), samples)
-    if objective.tangents is None:
-        chosen = replace(chosen, tangents=None)
-    repeated = number > 1 and much_the_same(before, chosen)
-    return None if repeated else chosen
+    if number < len(orders) - ASKED:
+        objective = make_objective(task, _one_value(ready, before), orders[number])
+        early = number + 1 < len(orders) - ASKED
+        return replace(objective, settled=SETTLED_EARLY) if early else objective
+    assert before is not None, "a field begins with the value of the whole body"
+    first = number == len(orders) - ASKED
+    ready = _from_one_value(task, ready, before) if first else _go_on(task, ready, before)
+    objective = make_objective(task, ready, orders[number])
+    asked = objective
+    if asked.tangents is None:
+        asked = replace(asked, tangents=_tangents(task, ready))
+    chosen = with_choice(objective, ask_data(asked, [run.recording.points for run in task.runs]))
+    chosen = replace(chosen, gain=GAIN_ASKED)
+    return None if not first and much_the_same(before, chosen) else chosen
+
+
+def _one_value(ready: Ready, before: Objective | None) -> Ready:
+    """One value for the body in place of each field."""
+    fields, priors = {}, {}
+    for name, field in ready.fields.items():
+        level = ready.stated.of(name)
+        uniform, pairs = Uniform().make(field.quantity, ready.mesh, level, 0)
+        fields[name] = uniform if before is None else before.fields[name]
+        priors[name] = replace(ready.priors[name], pairs=jnp.asarray(pairs))
+    return replace(ready, fields=fields, priors=priors)
+
+
+def _from_one_value(task: Task, ready: Ready, before: Objective) -> Ready:
+    """Fields that begin with the value that was found for the whole body."""
+    fields = {}
+    for number, (name, found) in enumerate(before.fields.items()):
+        level = float(found.control_values()[0])
+        fields[name], _ = task.choice.make(found.quantity, ready.mesh, level, task.seed + number)
+    return replace(ready, fields=fields)
 
 
 def _go_on(task: Task, ready: Ready, before: Objective) -> Ready:
