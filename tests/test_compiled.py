@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from thermo import _compiled
+
 SCRIPT = """
 import jax, jax.numpy as jnp
 import thermo
@@ -65,3 +67,16 @@ def test_a_folder_that_cannot_be_written_is_passed_over(tmp_path: Path) -> None:
 def test_a_file_in_the_way_is_passed_over(tmp_path: Path) -> None:
     (tmp_path / "thermofield").write_text("")
     assert run(tmp_path) == "None"
+
+
+def test_programs_are_dropped_near_the_limit_of_memory_maps(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    dropped: list[bool] = []
+    monkeypatch.setattr(_compiled.jax, "clear_caches", lambda: dropped.append(True))
+    monkeypatch.setattr(_compiled, "MOST_MAPS", 1.0)
+    _compiled.make_room()
+    assert not dropped
+    monkeypatch.setattr(_compiled, "MOST_MAPS", 0.0)
+    _compiled.make_room()
+    assert dropped == ([True] if sys.platform == "linux" else [])

@@ -48,3 +48,25 @@ def keep_compiled() -> None:
     if there.is_dir() and os.access(there, os.W_OK):
         jax.config.update("jax_compilation_cache_dir", str(folder))
         jax.config.update("jax_persistent_cache_min_compile_time_secs", SHORTEST)
+
+
+MOST_MAPS = 0.5
+"""Share of the memory maps that the system allows a process, from which programs are dropped."""
+
+
+def make_room() -> None:
+    """Drop the compiled programs in memory when they have come near what the system allows.
+
+    Every program takes some hundred memory maps and keeps them. A process that fits one body after
+    the other would come to the limit, after which nothing compiles: "LLVM compilation error:
+    Cannot allocate memory". What is needed again comes from the folder on disk. Elsewhere than on
+    Linux there is no such limit.
+    """
+    try:
+        limit = int(Path("/proc/sys/vm/max_map_count").read_text(encoding="ascii"))
+        with open("/proc/self/maps", "rb") as maps:
+            used = sum(1 for _ in maps)
+    except (OSError, ValueError):
+        return
+    if used > MOST_MAPS * limit:
+        jax.clear_caches()

@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from thermo._compiled import make_room
 from thermo.fields import AbstractField, TwoMaterialField
 from thermo.inverse._body import Meshing, check_values, duration
 from thermo.inverse._estimate import Estimate, RecoveredField, RunFit
@@ -72,6 +73,7 @@ def invert(
     Source: paper, section 4.3 (checklist E1 to E7).
     """
     begun = time.monotonic()
+    make_room()
     scene = data if isinstance(data, Scene) else read_scene(Path(data))
     names = select_unknowns(scene, unknown)
     initial = {} if initial is None else initial

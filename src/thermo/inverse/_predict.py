@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from thermo._compiled import make_room
 from thermo.errors import InputError
 from thermo.inverse._body import Meshing, check_values, make_mesh, state, surface_of
 from thermo.inverse._estimate import Estimate, RecoveredField, load_estimate
@@ -61,6 +62,7 @@ def predict(
 
     Source: paper, section 5 (checklist G10 to G17).
     """
+    make_room()
     scene = data if isinstance(data, Scene) else read_scene(Path(data))
     picked = select_runs(scene, runs, held_out=True)
     if isinstance(estimate, Estimate):

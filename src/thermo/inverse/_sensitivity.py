@@ -13,6 +13,7 @@ import numpy as np
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
+from thermo._compiled import make_room
 from thermo.errors import InputError
 from thermo.inverse._body import Meshing, check_values
 from thermo.inverse._field_choice import AbstractFieldChoice, Uniform
@@ -59,6 +60,7 @@ def sensitivity(
     choose one roughly. Raises `InputError` as `invert` does.
     """
     scene = data if isinstance(data, Scene) else read_scene(Path(data))
+    make_room()
     names = select_unknowns(scene, unknown)
     initial = {} if initial is None else initial
     check_unknowns(names, scene, initial)
