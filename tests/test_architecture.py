@@ -11,7 +11,18 @@ from pathlib import Path
 import pytest
 
 SOURCE = Path(__file__).parents[1] / "src" / "thermo"
-ROOMS = ("errors", "mesh", "fields", "physics", "observe", "inverse", "identify", "report", "app")
+ROOMS = (
+    "errors",
+    "mesh",
+    "fields",
+    "physics",
+    "observe",
+    "inverse",
+    "identify",
+    "report",
+    "study",
+    "app",
+)
 # Modules at the top that belong to no room: what they may import is what stands left of the rank.
 TOP = {"_cache_folder": -1, "_compiled": 0, "_conflict": 0}
 TOP |= dict.fromkeys(("__init__", "__main__"), len(ROOMS))

@@ -23,7 +23,11 @@ VERBS: Mapping[str, Callable[[Mapping[str, Any]], None]] = {
     "invert": _verbs.invert,
     "predict": _verbs.predict,
     "simulate": _verbs.simulate,
+    "study": _verbs.study,
 }
+
+STUDIES = ("paper",)
+"""What can be studied."""
 
 # Letters of a job's folder; file systems end at 255 bytes.
 LONGEST_LABEL = 100
@@ -33,6 +37,7 @@ HELP = """thermo VERB key=value ...
   thermo invert data=FOLDER runs=[a,b] unknown=[conductivity] field=NAME optimiser=NAME out=DIR
   thermo predict data=FOLDER estimate=DIR runs=[c] out=DIR
   thermo simulate data=FOLDER run=a material.conductivity=0.2 out=DIR
+  thermo study paper data=SCENES size=quick out=DIR
 
 `thermo VERB --help` shows every setting; -m runs all combinations of values joined by commas.
 `thermo --version` prints the version.
@@ -88,6 +93,17 @@ def _run(verb: str, configuration: DictConfig) -> None:
         sys.exit(130)
 
 
+def _named_study(words: list[str]) -> list[str]:
+    """The words of `thermo study NAME key=value ...` without the name."""
+    name = words[1] if len(words) > 1 else ""
+    if name not in STUDIES and name not in ("-h", "--help"):
+        print(
+            f"thermo study: there is no study {name!r}, but {', '.join(STUDIES)}", file=sys.stderr
+        )
+        sys.exit(2)
+    return [words[0], *words[2:]] if name in STUDIES else words
+
+
 def main() -> None:
     """Entry point of the console script."""
     words = sys.argv[1:]
@@ -102,6 +118,7 @@ def main() -> None:
         print(HELP, file=stream, end="")
         sys.exit(0 if asked else 2)
     verb = words[0]
+    words = _named_study(words) if verb == "study" else words
     sys.argv = [f"thermo {verb}", *words[1:]]
     folder = str(configuration_folder())
     task = hydra.main(version_base="1.3", config_path=folder, config_name=verb)

@@ -49,6 +49,7 @@ INTEGRATORS: Mapping[str, Callable[..., Any]] = {
 
 CHOICES = {"order": (1, 2), "coarse_tangents": (True, False)}
 STAGES = ("none", "tet4_tet10")
+SIZES = ("quick", "full")
 
 
 def _build(group: str, table: Mapping[str, Callable[..., Any]], section: Section) -> Any:
@@ -147,6 +148,16 @@ def stages(section: Section) -> Any:
             limit=", ".join(STAGES), remedy="give stages=NAME with one of these names",
         )  # fmt: skip
     return section["kind"]
+
+
+def size(value: Any) -> Any:
+    """The size of a study. Raises `InputError`."""
+    if value not in SIZES:
+        raise InputError(
+            "a study has no such size", where="size", value=value, limit=", ".join(SIZES),
+            remedy=f"give size={SIZES[0]}",
+        )  # fmt: skip
+    return value
 
 
 def number(

@@ -18,6 +18,7 @@ from thermo.app._configuration import (
     given,
     names,
     number,
+    size,
     stages,
 )
 from thermo.observe import read_scene
@@ -29,6 +30,8 @@ from thermo.report import (
     write_inversion,
     write_predictions,
 )
+from thermo.study import paper_cases
+from thermo.study import study as study_cases
 
 Configuration = Mapping[str, Any]
 
@@ -98,6 +101,24 @@ def predict(settings: Configuration) -> None:
     seconds = time.monotonic() - begun
     record = write_predictions(out, "predict", predictions, settings, seconds)
     print(f"{prediction_table(record)}\n\n{out / 'result.json'}, {seconds:.0f} s")
+
+
+def study(settings: Configuration) -> None:
+    """Study the paper's scenes, and leave a record a case, `recovery.csv` and `transfer.csv`."""
+    out = Path(settings["out"])
+    cache = settings["mesh_cache"]
+    cases = paper_cases(
+        Path(settings["data"]),
+        rows=names(settings["rows"], "rows"),
+        presets=names(settings["presets"], "presets") or (),
+        noises=names(settings["noise"], "noise") or (),
+        size=size(settings["size"]),
+        cache=None if cache is None else Path(cache),
+    )
+    require_writable(out)
+    with Progress("study", len(cases), sys.stderr) as progress:
+        _, text = study_cases(cases, out, on_case=progress.update)
+    print(f"{text}\n\n{out / 'recovery.csv'}")
 
 
 def simulate(settings: Configuration) -> None:

@@ -21,6 +21,7 @@ from thermo.inverse._field_choice import (
     TwoMaterials,
     Uniform,
 )
+from thermo.inverse._field_scores import FieldScores, field_scores
 from thermo.inverse._first_order import Adam, LimitedMemoryBfgs
 from thermo.inverse._forward import Prediction, Scores, score
 from thermo.inverse._invert import invert
@@ -39,6 +40,7 @@ __all__ = [
     "Adam",
     "Checkpoint",
     "Estimate",
+    "FieldScores",
     "GaussNewtonKrylov",
     "LevenbergMarquardt",
     "LimitedMemoryBfgs",
@@ -56,6 +58,7 @@ __all__ = [
     "Stepping",
     "TwoMaterials",
     "Uniform",
+    "field_scores",
     "invert",
     "load_checkpoint",
     "load_estimate",

@@ -8,6 +8,7 @@ recording a run. Everything is SI and temperatures are in kelvin. `read_scene` d
 from __future__ import annotations
 
 from ._binding import bind
+from ._camera_noise import with_camera_noise
 from ._distance import check_distance
 from ._heater import Heater
 from ._kelvin import COLDEST, HOTTEST
@@ -38,6 +39,7 @@ __all__ = [
     "read_history",
     "read_recording",
     "read_scene",
+    "with_camera_noise",
     "write_recording",
     "write_scene",
 ]

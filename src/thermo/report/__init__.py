@@ -9,6 +9,7 @@ from ._json import write_json
 from ._npz import write_npz
 from ._progress import Progress
 from ._table import table
+from ._text import write_text
 from ._versions import versions
 from ._vtk import write_pvd, write_vtu
 from ._write_inversion import inversion_record, inversion_table, write_inversion
@@ -31,5 +32,6 @@ __all__ = [
     "write_npz",
     "write_predictions",
     "write_pvd",
+    "write_text",
     "write_vtu",
 ]

@@ -1,0 +1,13 @@
+"""Plain text files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ._atomic import atomic
+
+
+def write_text(path: Path, text: str) -> None:
+    """Writes text as UTF-8, whole or not at all; the folder is made if it is missing."""
+    with atomic(path) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="")

@@ -1,0 +1,21 @@
+"""Studies: the same question of many scenes, beside published answers."""
+
+from thermo.study._paper import ROWS, TABLE_ONE, Row
+from thermo.study._preset import PRESETS, Preset
+from thermo.study._row_study import Case, study_row, truth
+from thermo.study._study import paper_cases, study
+from thermo.study._tables import write_tables
+
+__all__ = [
+    "PRESETS",
+    "ROWS",
+    "TABLE_ONE",
+    "Case",
+    "Preset",
+    "Row",
+    "paper_cases",
+    "study",
+    "study_row",
+    "truth",
+    "write_tables",
+]
