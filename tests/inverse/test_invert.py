@@ -254,3 +254,25 @@ def test_the_data_call_one_material_uniform(block: Path, meshing: Meshing) -> No
     assert 2 <= len(estimate.history) <= 3
     for run in estimate.runs.values():
         assert run.deviation >= np.hypot(run.noise, 0.01) * (1 - 1e-9)
+
+
+@pytest.mark.usefixtures("unsimulated")
+def test_a_start_scales_first_values_and_nothing_else(block: Path, meshing: Meshing) -> None:
+    seen = []
+    for start in (1.0, 3.0):
+        walk = Walk()
+        stroll(block, meshing, optimiser=walk, start=start)
+        seen.append(walk.seen[0][0])
+    plain, moved = seen
+    values = [float(o.fields["conductivity"].control_values()[0]) for o in seen]
+    assert values == pytest.approx([START["conductivity"], 3 * START["conductivity"]], rel=1e-9)
+    assert np.array_equal(plain.space.mesh.nodes, moved.space.mesh.nodes)
+    assert plain.stated == moved.stated
+    assert float(plain.priors["conductivity"].centre) == float(moved.priors["conductivity"].centre)
+
+
+@pytest.mark.parametrize("start", [0.0, -1.0, float("nan"), float("inf")])
+def test_a_start_that_is_no_factor_is_refused(start: float, block: Path) -> None:
+    with pytest.raises(InputError, match="a value is not positive") as caught:
+        invert(block, start=start)
+    assert caught.value.where == "start"

@@ -49,6 +49,7 @@ def invert(settings: Configuration) -> None:
         "unknown": names(settings["unknown"], "unknown"),
         "stages": stages(settings["stages"]),
         "initial": given(settings["initial"], "initial."),
+        "start": number(settings, "init", above=0.0),
         "seed": number(settings, "seed", whole=True),
         "model_error": number(settings, "model_error", above=0.0),
     }

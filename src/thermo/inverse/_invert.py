@@ -41,6 +41,7 @@ def invert(
     meshing: Meshing | None = None,
     stages: Literal["none", "tet4_tet10"] = "tet4_tet10",
     initial: dict[str, float] | None = None,
+    start: float = 1.0,
     seed: int = 0,
     model_error: float = 0.01,
     checkpoint: Path | None = None,
@@ -63,6 +64,8 @@ def invert(
     - `initial`: by quantity [SI], in place of what the scene states: first values of unknowns,
       and values of the rest. An unknown conductivity that nobody states is first found to a
       factor three by a scan on a coarse mesh.
+    - `start`: factor on the first values of the unknowns [1], to see whether other starts end
+      elsewhere; mesh and priors stay those of the values themselves.
     - `seed`: of control points and networks.
     - `model_error`: what the simulation may be wrong by, added to the noise [K].
     - `checkpoint`: file that an interrupted fit goes on from.
@@ -79,10 +82,11 @@ def invert(
     initial = {} if initial is None else initial
     check_unknowns(names, scene, initial)
     check_values(initial, names)
+    check_values({"start": start}, ("start",), where="")
     fitted = tuple(select_fit_runs(scene, runs))
     how = (choice or OnControlPoints(), optimiser or LevenbergMarquardt(), prior or Prior())
     cut = (stepping or Stepping(), meshing or Meshing())
-    task = Task(scene, fitted, names, *how, *cut, stages, initial, seed, model_error)
+    task = Task(scene, fitted, names, *how, *cut, stages, initial, seed, model_error, start)
     return _fit(task, checkpoint, on_step, begun)
 
 

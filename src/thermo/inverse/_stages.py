@@ -102,7 +102,7 @@ def _one_value(ready: Ready, before: Objective | None) -> Ready:
     """One value for the body in place of each field."""
     fields, priors = {}, {}
     for name, field in ready.fields.items():
-        level = ready.stated.of(name)
+        level = float(field.control_values()[0])
         uniform, pairs = Uniform().make(field.quantity, ready.mesh, level, 0)
         fields[name] = uniform if before is None else before.fields[name]
         priors[name] = replace(ready.priors[name], pairs=jnp.asarray(pairs))

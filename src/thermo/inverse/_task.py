@@ -76,6 +76,7 @@ class Task:
     initial: dict[str, float]
     seed: int
     model_error: float
+    start: float = 1.0
 
     def key(self) -> str:
         """A hash that another fit does not share."""
@@ -85,7 +86,8 @@ class Task:
         where = (replace(self.meshing, cache=None), self.stages, sorted(self.initial.items()))
         scene = self.scene
         body = (scene.material, scene.convection, scene.emissivity, scene.unit, scene.prior)
-        digest = hashlib.sha256(repr((asked, where, body, self.seed, self.model_error)).encode())
+        numbers = (self.seed, self.model_error, self.start)
+        digest = hashlib.sha256(repr((asked, where, body, *numbers)).encode())
         digest.update(scene.surface_path.read_bytes())
         for run in self.runs:
             record = run.recording
@@ -130,7 +132,8 @@ def prepare(task: Task) -> Ready:
     mesh = make_mesh(scene, surface, stated.of("diffusivity"), task.meshing)
     fields, pairs = {}, {}
     for number, name in enumerate(task.names):
-        made = task.choice.make(QUANTITIES[name], mesh, stated.of(name), task.seed + number)
+        first = task.start * stated.of(name)
+        made = task.choice.make(QUANTITIES[name], mesh, first, task.seed + number)
         fields[name], pairs[name] = made
     priors = _priors(fields, pairs, stated, scene, task.prior)
     grids = {run.name: fit_frames(run, task.stepping) for run in task.runs}

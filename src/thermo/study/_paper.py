@@ -14,7 +14,8 @@ class Row:
 
     - `object`, `process`: the folder of the scene and its run.
     - `quantity`: what is recovered; `known`: values that are held at the truth [SI].
-    - `start`: of the unknown, over what the scene states [1]; what it does not state is scanned.
+    - `start`: factor on the first value of the unknown [1]: a scene that states the answer must
+      not begin with it.
     - `error`, `ratio`, `width`: the paper's [1].
     - `warming`, `heating`: the paper's mean absolute error of the spatial field and of its median
       under held-out conditions [K], None where its table 2 has no such row.

@@ -106,18 +106,15 @@ def study_row(case: Case, folder: Path) -> dict[str, Any]:
             return record
     row, preset = case.row, case.preset
     scene = _seen(case, read_scene(case.data / row.object))
-    initial = dict(row.known)
-    if row.start != 1.0:
-        initial[row.quantity] = row.start * truth(scene, row.quantity)
     asked: dict[str, Any] = {"runs": (row.process,), "unknown": (row.quantity,)}
-    asked |= {"initial": initial, "seed": case.seed}
+    asked |= {"initial": dict(row.known), "seed": case.seed}
     begun = time.monotonic()
     (expected,) = expected_errors(sensitivity(scene, meshing=preset.meshing, **asked))
     verdict_seconds = time.monotonic() - begun
     estimate = invert(
         scene, choice=preset.choice, optimiser=preset.optimiser, prior=preset.prior,
         stepping=preset.stepping, meshing=preset.meshing,
-        checkpoint=folder / f"{case.name()}.npz", **asked,
+        checkpoint=folder / f"{case.name()}.npz", start=row.start, **asked,
     )  # fmt: skip
     scores = field_scores(estimate.mesh, estimate.fields[row.quantity], truth(scene, row.quantity))
     record = {
