@@ -146,3 +146,10 @@ def test_a_multirun_makes_a_folder_for_each_seed(
         assert found["configuration"]["seed"] == seed
         assert found["fields"] == result(fit)["fields"], "a uniform field knows no seed"
     assert list(Path.cwd().iterdir()) == [], "nothing is left in the working folder"
+    # Given again, the sweep does what is missing and nothing else.
+    before = (out / "seed-0" / "result.json").stat().st_mtime_ns
+    (out / "seed-1" / "result.json").unlink()
+    again = command("invert", "-m", f"data={block}", f"out={out}", cache, *SMALL, "seed=0,1")
+    assert again.code == 0 and again.err.count("finished before") == 1
+    assert (out / "seed-0" / "result.json").stat().st_mtime_ns == before
+    assert result(out / "seed-1")["configuration"]["seed"] == 1

@@ -18,6 +18,7 @@ from omegaconf.errors import OmegaConfBaseException
 
 from thermo import errors
 from thermo.app import _verbs
+from thermo.app._sweep import finished, job_folder
 
 VERBS: Mapping[str, Callable[[Mapping[str, Any]], None]] = {
     "invert": _verbs.invert,
@@ -28,9 +29,6 @@ VERBS: Mapping[str, Callable[[Mapping[str, Any]], None]] = {
 
 STUDIES = ("paper",)
 """What can be studied."""
-
-# Letters of a job's folder; file systems end at 255 bytes.
-LONGEST_LABEL = 100
 
 HELP = """thermo VERB key=value ...
 
@@ -55,13 +53,9 @@ def _settings(configuration: DictConfig) -> dict[str, Any]:
     assert isinstance(settings, dict)
     job = HydraConfig.get()
     if job.mode == RunMode.MULTIRUN:
-        # Jobs of a multirun never share a folder; only what differs between them names it.
-        swept = [word for word in job.overrides.task if word not in sys.argv]
-        # An equals sign in a folder's name would need quotes in the next command.
-        label = ",".join(swept).replace("/", "_").replace("=", "-")
-        if not 0 < len(label) <= LONGEST_LABEL:
-            label = str(job.job.num)
-        settings["out"] = str(Path(str(settings["out"])) / label)
+        # Jobs of a multirun never share a folder.
+        folder = job_folder(Path(str(settings["out"])), job.overrides.task, job.job.num)
+        settings["out"] = str(folder)
     return {str(key): value for key, value in settings.items()}
 
 
@@ -81,7 +75,11 @@ def _refusal(verb: str, fault: Exception) -> errors.InputError:
 
 def _run(verb: str, configuration: DictConfig) -> None:
     try:
-        VERBS[verb](_settings(configuration))
+        settings = _settings(configuration)
+        if HydraConfig.get().mode == RunMode.MULTIRUN and finished(verb, settings):
+            print(f"{settings['out']}: finished before; remove it to run it anew", file=sys.stderr)
+            return
+        VERBS[verb](settings)
     except errors.InputError as fault:
         print(f"thermo {verb}: {fault}", file=sys.stderr)
         sys.exit(2)

@@ -1,0 +1,36 @@
+"""Jobs of a multirun: a folder for each, and which of them are done."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+# Letters of a job's folder; file systems end at 255 bytes.
+LONGEST_LABEL = 100
+
+
+def job_folder(out: Path, overrides: Sequence[str], number: int) -> Path:
+    """The folder of one job: only what differs between the jobs names it.
+
+    Arguments: `overrides`: the job's words; `number`: of the job, where they are too long.
+    """
+    swept = [word for word in overrides if word not in sys.argv]
+    # An equals sign in a folder's name would need quotes in the next command.
+    label = ",".join(swept).replace("/", "_").replace("=", "-")
+    return out / (label if 0 < len(label) <= LONGEST_LABEL else str(number))
+
+
+def finished(verb: str, settings: Mapping[str, Any]) -> bool:
+    """Whether a job has left its result, with these settings and from the data as they are."""
+    path = Path(str(settings["out"])) / "result.json"
+    try:
+        record = json.loads(path.read_text("utf-8"))
+        written = path.stat().st_mtime
+        data = [file.stat().st_mtime for file in Path(str(settings["data"])).iterdir()]
+    except (OSError, ValueError):
+        return False
+    same = record.get("configuration") == json.loads(json.dumps(settings, default=str))
+    return record.get("verb") == verb and same and max(data, default=written) <= written
