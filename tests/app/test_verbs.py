@@ -153,3 +153,9 @@ def test_a_multirun_makes_a_folder_for_each_seed(
     assert again.code == 0 and again.err.count("finished before") == 1
     assert (out / "seed-0" / "result.json").stat().st_mtime_ns == before
     assert result(out / "seed-1")["configuration"]["seed"] == 1
+
+    gathered = command("ensemble", f"folder={out}")
+    assert gathered.code == 0 and "conductivity" in gathered.out, gathered.err
+    found = json.loads((out / "ensemble.json").read_text())["fields"]["conductivity"]
+    assert found["members"] == 2 and found["relative_deviation"] == 0.0
+    assert found["median"] == result(fit)["fields"]["conductivity"]["median"]

@@ -21,6 +21,7 @@ from thermo.app import _verbs
 from thermo.app._sweep import finished, job_folder
 
 VERBS: Mapping[str, Callable[[Mapping[str, Any]], None]] = {
+    "ensemble": _verbs.ensemble,
     "invert": _verbs.invert,
     "predict": _verbs.predict,
     "simulate": _verbs.simulate,
@@ -35,6 +36,7 @@ HELP = """thermo VERB key=value ...
   thermo invert data=FOLDER runs=[a,b] unknown=[conductivity] field=NAME optimiser=NAME out=DIR
   thermo predict data=FOLDER estimate=DIR runs=[c] out=DIR
   thermo simulate data=FOLDER run=a material.conductivity=0.2 out=DIR
+  thermo ensemble folder=DIR
   thermo study paper data=SCENES size=quick out=DIR
 
 `thermo VERB --help` shows every setting; -m runs all combinations of values joined by commas.

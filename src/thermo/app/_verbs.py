@@ -27,10 +27,12 @@ from thermo.report import (
     inversion_table,
     prediction_table,
     require_writable,
+    table,
     write_inversion,
+    write_json,
     write_predictions,
 )
-from thermo.study import paper_cases
+from thermo.study import ensemble_record, gather, paper_cases, read_members
 from thermo.study import study as study_cases
 
 Configuration = Mapping[str, Any]
@@ -120,6 +122,22 @@ def study(settings: Configuration) -> None:
     with Progress("study", len(cases), sys.stderr) as progress:
         _, text = study_cases(cases, out, on_case=progress.update)
     print(f"{text}\n\n{out / 'recovery.csv'}")
+
+
+def ensemble(settings: Configuration) -> None:
+    """Gather the fits of a sweep, and leave `ensemble.json` in its folder."""
+    folder = Path(settings["folder"])
+    members, units = read_members(folder)
+    found = gather(members, units)
+    rows = [
+        [name, item.unit, item.members, item.median, 100 * item.deviation, 100 * item.width,
+         None if item.split is None else 100 * item.split.share(), item.final_error]
+        for name, item in found.items()
+    ]  # fmt: skip
+    write_json(folder / "ensemble.json", ensemble_record(members, found))
+    header = ["field", "unit", "fits", "median", "deviation [%]", "width [%]",
+              "share of the start [%]", "final error [K]"]  # fmt: skip
+    print(f"{table(rows, header)}\n\n{folder / 'ensemble.json'}")
 
 
 def simulate(settings: Configuration) -> None:

@@ -1,5 +1,6 @@
 """Studies: the same question of many scenes, beside published answers."""
 
+from thermo.study._ensemble import Ensemble, Member, ensemble_record, gather, read_members
 from thermo.study._paper import ROWS, TABLE_ONE, Row
 from thermo.study._preset import PRESETS, Preset
 from thermo.study._row_study import Case, study_row, truth
@@ -11,9 +12,14 @@ __all__ = [
     "ROWS",
     "TABLE_ONE",
     "Case",
+    "Ensemble",
+    "Member",
     "Preset",
     "Row",
+    "ensemble_record",
+    "gather",
     "paper_cases",
+    "read_members",
     "study",
     "study_row",
     "truth",
