@@ -45,6 +45,21 @@ def test_the_console_script_refuses_with_code_two(words: tuple[str, ...], tmp_pa
     assert list(tmp_path.iterdir()) == []
 
 
+def test_joblib_runs_the_jobs_of_a_sweep_side_by_side(
+    fit: Path, block: Path, cache: str, tmp_path: Path
+) -> None:
+    words = ["-m", "hydra/launcher=joblib", f"data={block}", f"out={tmp_path / 'sweep'}", cache]
+    ended = subprocess.run(
+        [SCRIPT, "invert", *words, *SMALL, "seed=0,1"], cwd=tmp_path, capture_output=True,
+        text=True, timeout=300, check=False,
+    )  # fmt: skip
+    assert ended.returncode == 0, ended.stderr
+    wanted = json.loads((fit / "result.json").read_text())["fields"]
+    for seed in (0, 1):
+        found = json.loads((tmp_path / "sweep" / f"seed-{seed}" / "result.json").read_text())
+        assert found["fields"] == wanted and found["configuration"]["seed"] == seed
+
+
 def test_a_killed_fit_leaves_nothing_half_written_and_goes_on(
     fit: Path, command: Command, block: Path, cache: str, tmp_path: Path
 ) -> None:

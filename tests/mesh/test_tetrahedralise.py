@@ -61,6 +61,24 @@ def test_a_graded_ball_is_finer_at_the_skin(ball, folder):
     assert in_core.sum() < 0.4 * regular
 
 
+def test_of_two_processes_that_mesh_one_body_the_first_mesh_counts(
+    cube, folder, tmp_path, monkeypatch
+):
+    first = tetrahedralise(cube, COARSE, cache=folder)
+    entry = next(path.name for path in folder.glob("*.npz") if load_cells(path) is not None
+                 and len(load_cells(path)[0]) == len(first.nodes))  # fmt: skip
+    other = first.nodes + 1e-6 * np.sin(1e3 * first.nodes)
+
+    def meanwhile(*_):
+        save_cells(tmp_path / entry, first.nodes, first.cells)
+        return other, first.cells
+
+    monkeypatch.setattr(module, "_run_mesher", meanwhile)
+    mesh = tetrahedralise(cube, COARSE, cache=tmp_path)
+    np.testing.assert_array_equal(mesh.nodes, first.nodes)
+    assert [path.name for path in tmp_path.iterdir()] == [entry]
+
+
 def test_a_second_call_reads_the_cache(cube, folder, no_mesher):
     again = tetrahedralise(cube, COARSE, cache=folder)
     assert len(list(folder.glob("*.npz"))) >= 1 and not list(folder.glob("*.part"))

@@ -38,7 +38,7 @@ def split_variance(values: Float[np.ndarray, "starts seeds"]) -> VarianceSplit:
 
         within = MS_within,   across = max(0, (MS_across - MS_within) / n)
 
-    Arguments: `values`: in any unit, such as medians of a field.
+    Arguments: `values`: in any unit, such as logarithms of medians [1].
 
     Raises `InputError` where there are fewer than two starts or seeds, or a value is not finite.
 

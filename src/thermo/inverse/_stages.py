@@ -76,25 +76,30 @@ def make_stage(task: Task, ready: Ready, number: int, before: Objective | None) 
     None where the stage would repeat the one before it.
     """
     orders = stage_orders(task, ready)
-    if not data_choose(task, ready):
-        if before is not None:
-            ready = _go_on(task, ready, before)
-        objective = make_objective(task, ready, orders[number])
-        early = number + 1 < len(orders)
-        return replace(objective, settled=SETTLED_EARLY) if early else objective
-    if number < len(orders) - ASKED:
-        objective = make_objective(task, _one_value(ready, before), orders[number])
-        early = number + 1 < len(orders) - ASKED
-        return replace(objective, settled=SETTLED_EARLY) if early else objective
-    assert before is not None, "a field begins with the value of the whole body"
-    first = number == len(orders) - ASKED
-    ready = _from_one_value(task, ready, before) if first else _go_on(task, ready, before)
+    asked = ASKED if data_choose(task, ready) else 0
+    plain = len(orders) - asked
+    if number >= plain:
+        assert before is not None, "a field begins with the value of the whole body"
+        return _asked_stage(task, ready, orders[number], before, first=number == plain)
+    if asked:
+        ready = _one_value(ready, before)
+    elif before is not None:
+        ready = _go_on(task, ready, before)
     objective = make_objective(task, ready, orders[number])
-    asked = objective
-    if asked.tangents is None:
-        asked = replace(asked, tangents=_tangents(task, ready))
-    chosen = with_choice(objective, ask_data(asked, [run.recording.points for run in task.runs]))
-    chosen = replace(chosen, gain=GAIN_ASKED)
+    return replace(objective, settled=SETTLED_EARLY) if number + 1 < plain else objective
+
+
+def _asked_stage(
+    task: Task, ready: Ready, order: int, before: Objective, *, first: bool
+) -> Objective | None:
+    """The fields as smooth as the data ask for where they stand; None where that is as before."""
+    ready = _from_one_value(task, ready, before) if first else _go_on(task, ready, before)
+    objective = make_objective(task, ready, order)
+    here = objective
+    if here.tangents is None:
+        here = replace(here, tangents=_tangents(task, ready))
+    choice = ask_data(here, [run.recording.points for run in task.runs])
+    chosen = replace(with_choice(objective, choice), gain=GAIN_ASKED)
     return None if not first and much_the_same(before, chosen) else chosen
 
 

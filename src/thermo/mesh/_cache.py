@@ -64,7 +64,10 @@ def load_cells(
 
 
 def save_cells(entry: Path, nodes: np.ndarray, cells: np.ndarray) -> None:
-    """Write an entry in one step; a cache that cannot be written is passed over."""
+    """Write an entry in one step, unless there is one; do without where nothing can be written.
+
+    The mesher does not repeat itself. Where two processes mesh one body, the first mesh stays.
+    """
     try:
         entry.parent.mkdir(parents=True, exist_ok=True)
         handle, name = tempfile.mkstemp(dir=entry.parent, suffix=".part")
@@ -73,6 +76,14 @@ def save_cells(entry: Path, nodes: np.ndarray, cells: np.ndarray) -> None:
     try:
         with os.fdopen(handle, "wb") as stream:
             np.savez_compressed(stream, format=np.array(FORMAT), nodes=nodes, cells=cells)
-        os.replace(name, entry)
+        try:
+            os.link(name, entry)
+        except FileExistsError:
+            pass
+        except OSError:
+            # Not every file system knows links.
+            os.replace(name, entry)
     except OSError:
+        pass
+    finally:
         Path(name).unlink(missing_ok=True)

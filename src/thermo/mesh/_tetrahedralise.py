@@ -69,7 +69,9 @@ def tetrahedralise(
     nodes, cells = _run_mesher(simplified(surface, where=where), sizing, time_limit, where)
     mesh = gated_mesh(nodes, cells, surface, where=where)
     save_cells(entry, mesh.nodes, mesh.cells)
-    return mesh
+    # What is kept may be another process's mesh; fits that run side by side then share it.
+    kept = load_cells(entry)
+    return mesh if kept is None else gated_mesh(*kept, surface, where=where)
 
 
 def _run_mesher(
