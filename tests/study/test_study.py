@@ -126,6 +126,9 @@ def test_the_tables_stand_beside_the_papers(
         ("warming", "0.485"), ("heating", "1.505"),
     ]  # fmt: skip
     assert "bunny-cooling" in text and "1.505" in text
+    page = (tmp_path / "tables.md").read_text().splitlines()
+    assert page[0].startswith("| scene |") and page[2].startswith("| bunny-cooling | best | none |")
+    assert {line.count("|") for line in page[:4]} == {len(page[0].split("|")) - 1}
 
 
 def scenes(folder: Path, *names: str) -> Path:

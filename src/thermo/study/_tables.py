@@ -48,11 +48,11 @@ def transfer(records: Sequence[Record]) -> list[list[Any]]:
 
 
 def write_tables(folder: Path, records: Sequence[Record]) -> str:
-    """Write both tables as CSV and return them as text.
+    """Write both tables as CSV and as `tables.md`, and return them as text.
 
     Arguments: `records`: of the cases [SI].
     """
-    text = []
+    text, pages = [], []
     for name, header, rows in (
         ("recovery", RECOVERY, recovery(records)),
         ("transfer", TRANSFER, transfer(records)),
@@ -60,7 +60,22 @@ def write_tables(folder: Path, records: Sequence[Record]) -> str:
         if rows:
             write_text(folder / f"{name}.csv", _csv(header, rows))
             text.append(table(rows, header))
+            pages.append(_markdown(header, rows))
+    write_text(folder / "tables.md", "\n".join(pages))
     return "\n\n".join(text)
+
+
+def _word(cell: Any) -> str:
+    if cell is None:
+        return ""
+    if isinstance(cell, bool):
+        return "yes" if cell else "no"
+    return f"{cell:.3g}" if isinstance(cell, float) else str(cell)
+
+
+def _markdown(header: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
+    lines = [header, ["---"] * len(header), *[[_word(cell) for cell in row] for row in rows]]
+    return "".join("| " + " | ".join(line) + " |\n" for line in lines)
 
 
 def _csv(header: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
