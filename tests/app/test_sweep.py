@@ -51,6 +51,7 @@ def test_no_folder_and_no_data_are_none(settings: dict[str, Any]) -> None:
 def test_a_folder_is_named_by_what_differs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "argv", ["thermo", "data=x", "seed=0,1", "init=0.3,3"])
     out = Path("sweep")
-    assert job_folder(out, ["data=x", "seed=1", "init=0.3"], 2) == out / "seed-1,init-0.3"
+    assert job_folder(out, ["data=x", "seed=1", "init=0.3"], 2) == out / "seed-1_init-0.3"
+    assert job_folder(out, ["runs=[a,b]", "seed=1"], 0) == out / "runs-_a_b_seed-1"
     assert job_folder(out, ["data=x"], 2) == out / "2"
     assert job_folder(out, ["note=" + "a" * 200], 7) == out / "7"

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from thermo.errors import InputError
 from thermo.identify import expected_errors
 from thermo.inverse import Sensitivity
 
@@ -70,6 +71,12 @@ def test_the_error_falls_as_the_signal_grows(factor: float, seed: int) -> None:
     before, after = expected_errors(at(one)), expected_errors(at(factor * one))
     for old, new in zip(before, after, strict=True):
         assert new.relative == pytest.approx(old.relative / factor, rel=1e-6)
+
+
+@pytest.mark.parametrize("wrong", [-0.01, float("nan"), float("inf")])
+def test_a_model_error_that_cannot_be_is_refused(wrong: float) -> None:
+    with pytest.raises(InputError, match="cannot be this"):
+        expected_errors(at(slopes(0)), model_error=wrong)
 
 
 def test_informed_is_a_95_percent_statement() -> None:

@@ -127,7 +127,7 @@ def test_an_interrupted_fit_goes_on_as_if_it_had_not_been(
     assert np.allclose(resumed.history[0], plain.history[0], rtol=1e-10, atol=0)
     mine, theirs = resumed.fields["conductivity"], plain.fields["conductivity"]
     assert np.allclose(mine.cells, theirs.cells, rtol=1e-10, atol=0)
-    assert list(tmp_path.iterdir()) == []
+    assert list(tmp_path.iterdir()) == [file]
 
 
 @pytest.mark.usefixtures("unsimulated")
@@ -271,8 +271,14 @@ def test_a_start_scales_first_values_and_nothing_else(block: Path, meshing: Mesh
     assert float(plain.priors["conductivity"].centre) == float(moved.priors["conductivity"].centre)
 
 
+def test_a_first_value_of_what_is_no_quantity_is_refused(block: Path) -> None:
+    with pytest.raises(InputError, match="there is no such quantity") as caught:
+        invert(block, initial={"k": 1.0})
+    assert caught.value.where == "initial.k" and "conductivity" in str(caught.value.limit)
+
+
 @pytest.mark.parametrize("start", [0.0, -1.0, float("nan"), float("inf")])
 def test_a_start_that_is_no_factor_is_refused(start: float, block: Path) -> None:
-    with pytest.raises(InputError, match="a value is not positive") as caught:
+    with pytest.raises(InputError, match="a start is no factor") as caught:
         invert(block, start=start)
     assert caught.value.where == "start"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from thermo.errors import InputError
 from thermo.observe import Recording, estimate_noise, with_camera_noise
 
 START = 295.0
@@ -34,6 +35,12 @@ def test_a_seed_repeats_and_another_does_not() -> None:
     one, same, other = (with_camera_noise(recording(), START, seed=s) for s in (1, 1, 2))
     assert np.array_equal(one.temperature, same.temperature)
     assert not np.array_equal(one.temperature, other.temperature)
+
+
+@pytest.mark.parametrize("level", [{"white": -1.0}, {"pattern": float("nan")}, {"quiet": -1}])
+def test_levels_that_cannot_be_are_refused(level: dict[str, float]) -> None:
+    with pytest.raises(InputError, match="no such noise"):
+        with_camera_noise(recording(), START, **level)  # type: ignore[arg-type]
 
 
 def test_what_was_not_valid_stays_so_and_quiet_frames_can_be_left_out() -> None:

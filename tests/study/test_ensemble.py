@@ -79,12 +79,14 @@ def test_one_start_alone_is_not_split(tmp_path: Path) -> None:
     assert gather(members, units)["conductivity"].split is None
 
 
-@pytest.mark.parametrize("kind", ["nothing", "one", "other data"])
+@pytest.mark.parametrize("kind", ["nothing", "one", "other data", "no folder"])
 def test_what_is_no_ensemble_is_refused(kind: str, tmp_path: Path) -> None:
-    if kind != "nothing":
+    place = tmp_path / "none" if kind == "no folder" else tmp_path
+    if kind in ("one", "other data"):
         leave(tmp_path, 1.0, 0)
     if kind == "other data":
         leave(tmp_path, 1.0, 1, data="y")
     with pytest.raises(InputError, match="no repeated fits of one kind") as caught:
-        read_members(tmp_path)
-    assert caught.value.where == str(tmp_path)
+        read_members(place)
+    assert caught.value.where == str(place)
+    assert ("no such folder" in str(caught.value)) == (kind == "no folder")

@@ -59,8 +59,8 @@ def test_a_row_is_fitted_and_scored(record: dict[str, Any], kept: Path) -> None:
     # A lamp of one watt on a small block of epoxy tells its conductivity well.
     assert 0 < record["expected"] < 0.01 and record["informed"] is True
     assert record["response"] > 0.1 and record["seconds"] > 0
-    assert json.loads((kept / "block-lamp-small-clean.json").read_text()) == record
-    assert [file.name for file in kept.iterdir()] == ["block-lamp-small-clean.json"]
+    assert json.loads((kept / "block-lamp-small-none.json").read_text()) == record
+    assert [file.name for file in kept.iterdir()] == ["block-lamp-small-none.json"]
 
 
 def test_what_was_done_is_not_done_again_and_what_differs_is(
@@ -122,7 +122,7 @@ def test_the_tables_stand_beside_the_papers(
     assert [row["paper error"] for row in rows] == ["0.207", "0.147"]
     with (tmp_path / "transfer.csv").open() as stream:
         rows = list(csv.DictReader(stream))
-    assert [(row["test"], row["paper spatial"]) for row in rows] == [
+    assert [(row["test"], row["paper spatial mae"]) for row in rows] == [
         ("warming", "0.485"), ("heating", "1.505"),
     ]  # fmt: skip
     assert "bunny-cooling" in text and "1.505" in text

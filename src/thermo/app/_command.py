@@ -97,9 +97,8 @@ def _named_study(words: list[str]) -> list[str]:
     """The words of `thermo study NAME key=value ...` without the name."""
     name = words[1] if len(words) > 1 else ""
     if name not in STUDIES and name not in ("-h", "--help"):
-        print(
-            f"thermo study: there is no study {name!r}, but {', '.join(STUDIES)}", file=sys.stderr
-        )
+        known = f"give the name of a study: {', '.join(STUDIES)}"
+        print(f"thermo study: {known}, and not {name!r}" if name else known, file=sys.stderr)
         sys.exit(2)
     return [words[0], *words[2:]] if name in STUDIES else words
 

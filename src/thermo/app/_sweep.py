@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -18,8 +19,8 @@ def job_folder(out: Path, overrides: Sequence[str], number: int) -> Path:
     Arguments: `overrides`: the job's words; `number`: of the job, where they are too long.
     """
     swept = [word for word in overrides if word not in sys.argv]
-    # An equals sign in a folder's name would need quotes in the next command.
-    label = ",".join(swept).replace("/", "_").replace("=", "-")
+    # Equals signs, commas and brackets in a folder's name would need quotes in the next command.
+    label = re.sub(r"(?:[^\w.+-]|_)+", "_", "_".join(swept).replace("=", "-")).strip("_")
     return out / (label if 0 < len(label) <= LONGEST_LABEL else str(number))
 
 

@@ -68,24 +68,25 @@ def invert(settings: Configuration) -> None:
             **arguments,
         )
     record = write_inversion(out, estimate, settings)
+    checkpoint.unlink(missing_ok=True)
     print(inversion_table(record))
-    steps = sum(len(losses) for losses in estimate.history)
-    remedy = _remedy(len(estimate.history[-1]), arguments["optimiser"])
-    ended = (
-        f"Settled after {steps} steps."
-        if estimate.success
-        else f"NOT CONVERGED after {steps} steps: {remedy}."
-    )
+    ended = _ending(estimate, arguments["optimiser"])
     remarks = "".join(f"\n{remark}" for remark in estimate.remarks)
     print(
         f"\n{ended} {estimate.resolution}{remarks}\n{out / 'result.json'}, {estimate.seconds:.0f} s"
     )
 
 
-def _remedy(steps: int, optimiser: inverse.AbstractOptimiser) -> str:
-    if steps >= optimiser.max_steps:
-        return "raise optimiser.max_steps"
-    return "the coarse tangents know no way down, give mesh.coarse_tangents=false"
+def _ending(estimate: inverse.Estimate, optimiser: inverse.AbstractOptimiser) -> str:
+    steps = sum(len(losses) for losses in estimate.history)
+    if optimiser.fixed_length():
+        return f"Made all {steps} steps."
+    if estimate.success:
+        return f"Settled after {steps} steps."
+    remedy = "the coarse tangents know no way down, give mesh.coarse_tangents=false"
+    if len(estimate.history[-1]) >= optimiser.max_steps:
+        remedy = "raise optimiser.max_steps"
+    return f"NOT CONVERGED after {steps} steps: {remedy}."
 
 
 def predict(settings: Configuration) -> None:
@@ -119,6 +120,7 @@ def study(settings: Configuration) -> None:
         cache=None if cache is None else Path(cache),
     )
     require_writable(out)
+    print(f"{len(cases)} fits, beginning with {cases[0].name()}", file=sys.stderr)
     with Progress("study", len(cases), sys.stderr) as progress:
         _, text = study_cases(cases, out, on_case=progress.update)
     print(f"{text}\n\n{out / 'recovery.csv'}")
@@ -137,7 +139,9 @@ def ensemble(settings: Configuration) -> None:
     write_json(folder / "ensemble.json", ensemble_record(members, found))
     header = ["field", "unit", "fits", "median", "deviation [%]", "width [%]",
               "share of the start [%]", "final error [K]"]  # fmt: skip
-    print(f"{table(rows, header)}\n\n{folder / 'ensemble.json'}")
+    whole = all(item.split is not None for item in found.values())
+    gap = "" if whole else "\nThe variance is not split: not every start has the same seeds."
+    print(f"{table(rows, header)}\n{gap}\n{folder / 'ensemble.json'}")
 
 
 def simulate(settings: Configuration) -> None:

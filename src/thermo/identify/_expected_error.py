@@ -8,6 +8,7 @@ from typing import Final, final
 import numpy as np
 from jaxtyping import Float
 
+from thermo.errors import InputError
 from thermo.inverse import Sensitivity
 
 # Eigenvalues of the scaled information below this share of the largest are of directions that no
@@ -49,9 +50,16 @@ def expected_errors(at: Sensitivity, *, model_error: float = 0.01) -> list[Expec
     - `at`: slopes of the temperatures [K].
     - `model_error`: what the simulation itself may be wrong by [K].
 
+    Raises `InputError` where `model_error` is negative or not finite.
+
     Source: White, Econometrica 48 (1980) 817, the covariance of a fit whose weights are not those
     of its errors.
     """
+    if not (np.isfinite(model_error) and model_error >= 0):
+        raise InputError(
+            "an error of the simulation cannot be this", where="model_error", value=model_error,
+            limit="a finite number, 0 or more [K]", remedy="leave it at 0.01 K",
+        )  # fmt: skip
     count = len(at.names)
     information, spread, square = (
         np.zeros((count, count)),

@@ -44,7 +44,8 @@ def split_variance(values: Float[np.ndarray, "starts seeds"]) -> VarianceSplit:
 
     Source: Searle, Casella, McCulloch, Variance Components (1992), section 3.5.
     """
-    starts, seeds = values.shape
+    values = np.asarray(values, float)
+    starts, seeds = values.shape if values.ndim == 2 else (0, 0)
     if starts < 2 or seeds < 2 or not np.isfinite(values).all():
         raise InputError(
             "repeated fits cannot be split into parts",

@@ -9,6 +9,7 @@ from typing import Literal, final
 import numpy as np
 
 from thermo.errors import InputError
+from thermo.fields import QUANTITIES
 from thermo.inverse._conditions import conditions, make_model, switches
 from thermo.inverse._properties import Stated, properties
 from thermo.inverse._side_by_side import solve_each
@@ -111,6 +112,15 @@ def check_values(
 
     `unknown` names what a fit looks for on a logarithmic scale; `where` is the section's name.
     """
+    wrong = [name for name in values if name not in QUANTITIES]
+    if wrong:
+        raise InputError(
+            "there is no such quantity",
+            where=f"{where}{wrong[0]}",
+            value=values[wrong[0]],
+            limit=", ".join(QUANTITIES),
+            remedy="give values of these quantities [SI]",
+        )
     for name, value in values.items():
         least = 0.0 if name in MAY_VANISH and name not in unknown else np.finfo(float).tiny
         if not (np.isfinite(value) and value >= least):

@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from thermo._compiled import make_room
+from thermo.errors import InputError
 from thermo.fields import AbstractField, TwoMaterialField
 from thermo.inverse._body import Meshing, check_values, duration
 from thermo.inverse._estimate import Estimate, RecoveredField, RunFit
@@ -68,7 +69,7 @@ def invert(
       elsewhere; mesh and priors stay those of the values themselves.
     - `seed`: of control points and networks.
     - `model_error`: what the simulation may be wrong by, added to the noise [K].
-    - `checkpoint`: file that an interrupted fit goes on from.
+    - `checkpoint`: file that an interrupted fit goes on from; remove it once the result is safe.
     - `on_step`: told of every step.
 
     Raises `InputError` for input that cannot be used, before any work is done.
@@ -82,12 +83,20 @@ def invert(
     initial = {} if initial is None else initial
     check_unknowns(names, scene, initial)
     check_values(initial, names)
-    check_values({"start": start}, ("start",), where="")
+    _check_start(start)
     fitted = tuple(select_fit_runs(scene, runs))
     how = (choice or OnControlPoints(), optimiser or LevenbergMarquardt(), prior or Prior())
     cut = (stepping or Stepping(), meshing or Meshing())
     task = Task(scene, fitted, names, *how, *cut, stages, initial, seed, model_error, start)
     return _fit(task, checkpoint, on_step, begun)
+
+
+def _check_start(start: float) -> None:
+    if not (np.isfinite(start) and start > 0):
+        raise InputError(
+            "a start is no factor", where="start", value=start, limit="a finite number above 0",
+            remedy="give 0.3 or 3, for example",
+        )  # fmt: skip
 
 
 def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: float) -> Estimate:
@@ -138,8 +147,8 @@ def _chosen(smoothness: dict[str, float]) -> list[str]:
     return [
         f"The data show no variation of {name} over the surface."
         if step <= ALL_BUT_UNIFORM
-        else f"The data ask for a {name} that varies by {100 * step:.2g} % from one control point "
-        "to the next."
+        else f"The data ask for a {name} that differs by a factor of about {np.exp(step):.3g} "
+        "from one control point to the next."
         for name, step in smoothness.items()
     ]
 

@@ -62,7 +62,8 @@ def minimise(
 
     - `stages`: make the objective of each stage; a stage is made when it is reached.
     - `key`: says what is being fitted; a checkpoint of another fit is refused.
-    - `checkpoint`: file to go on from, written after every step and deleted at the end.
+    - `checkpoint`: file to go on from, written after every step. It stays at the end, so that
+      nothing is lost before the result is safe; who called removes it then.
     - `on_step`: told of every step, with the loss [1].
 
     A fit that is stopped and started again runs through the same parameters as one that was not.
@@ -88,8 +89,6 @@ def minimise(
             break
         now = _beginning(key, objective, ends, fit.history)
         fit = _run_stage(objective, optimiser, now, checkpoint, told)
-    if checkpoint is not None:
-        checkpoint.unlink(missing_ok=True)
     return fit
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from thermo.errors import InputError
+
 from ._recording import Recording
 
 
@@ -26,7 +28,15 @@ def with_camera_noise(
     - `recording`: temperatures [K]; `initial_temperature`: of the body before the run [K].
     - `white`: standard deviation of the noise of a reading [K]; `pattern`: of what stays [K].
     - `quiet`: number of frames before the run [1], none for 0; `seed`: of all random numbers.
+
+    Raises `InputError` where a level is negative or not finite.
     """
+    for name, level in (("white", white), ("pattern", pattern), ("quiet", quiet)):
+        if not (np.isfinite(level) and level >= 0):
+            raise InputError(
+                "a camera has no such noise", where=name, value=level,
+                limit="a finite number, 0 or more", remedy=f"leave {name} at its default",
+            )  # fmt: skip
     random = np.random.default_rng(seed)
     frames, samples = recording.temperature.shape
     fixed = pattern * random.standard_normal(samples)

@@ -14,6 +14,9 @@ from jaxtyping import Float
 from thermo.errors import InputError
 from thermo.identify import VarianceSplit, split_variance
 
+REPEATED = ("init", "seed", "out")
+"""Settings that may differ between repeated fits."""
+
 
 @final
 @dataclass(frozen=True)
@@ -68,7 +71,7 @@ def read_members(folder: Path) -> tuple[list[Member], dict[str, str]]:
             continue
         fields, settings = record["fields"], record["configuration"]
         units |= {name: item["unit"] for name, item in fields.items()}
-        kinds.add((settings["data"], str(settings["runs"]), *fields))
+        kinds.add(json.dumps({k: v for k, v in settings.items() if k not in REPEATED}))
         quantiles = {
             q: {n: item[q] for n, item in fields.items()} for q in ("median", "p05", "p95")
         }
@@ -80,8 +83,10 @@ def read_members(folder: Path) -> tuple[list[Member], dict[str, str]]:
         raise InputError(
             "these are no repeated fits of one kind",
             where=str(folder),
-            value=f"{len(members)} fits of {len(kinds)} kinds",
-            limit="folders of at least two fits of the same data, runs and unknowns",
+            value=f"{len(members)} fits, {len(kinds)} kinds of settings"
+            if folder.is_dir()
+            else "no such folder",
+            limit=f"folders of at least two fits that differ in {', '.join(REPEATED)} only",
             remedy="run `thermo invert -m init=0.3,1,3 seed=0,1 data=... out=FOLDER` first",
         )
     return members, units

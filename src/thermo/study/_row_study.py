@@ -46,7 +46,7 @@ class Case:
 
     def name(self) -> str:
         """File name of the case without its ending."""
-        return f"{self.row.name()}-{self.preset_name}-{'noisy' if self.noisy else 'clean'}"
+        return f"{self.row.name()}-{self.preset_name}-{'camera' if self.noisy else 'none'}"
 
     def key(self) -> str:
         """A hash that another case does not share; the meshes' folder is no part of it."""
@@ -138,6 +138,7 @@ def study_row(case: Case, folder: Path) -> dict[str, Any]:
     if case.held_out:
         record["held_out"] = _predictions(scene, estimate, preset)
     write_json(path, record)
+    (folder / f"{case.name()}.npz").unlink(missing_ok=True)
     return record
 
 

@@ -16,8 +16,10 @@ Record = Mapping[str, Any]
 RECOVERY = ("scene", "preset", "noise", "expected", "informed", "error", "ratio", "width",
             "paper error", "paper ratio", "paper width", "rmse [K]", "seconds")  # fmt: skip
 
-TRANSFER = ("scene", "preset", "noise", "test", "spatial mae [K]", "rmse [K]", "max [K]",
-            "median mae [K]", "rmse [K]", "max [K]", "paper spatial", "paper median")  # fmt: skip
+TRANSFER = ("scene", "preset", "noise", "test",
+            "spatial mae [K]", "spatial rmse [K]", "spatial max [K]",
+            "median mae [K]", "median rmse [K]", "median max [K]",
+            "paper spatial mae", "paper median mae")  # fmt: skip
 
 
 def recovery(records: Sequence[Record]) -> list[list[Any]]:
@@ -83,6 +85,7 @@ def _csv(header: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(header)
     writer.writerows(
-        [f"{cell:.4g}" if isinstance(cell, float) else cell for cell in row] for row in rows
+        [f"{round(cell, 12):.4g}" if isinstance(cell, float) else cell for cell in row]
+        for row in rows
     )
     return stream.getvalue()
