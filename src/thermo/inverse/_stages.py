@@ -51,7 +51,9 @@ def data_choose(task: Task, ready: Ready) -> bool:
     rough = any(len(prior.pairs) for prior in ready.priors.values())
     staged = isinstance(task.choice, AbstractStagedChoice)
     few = _unknowns(ready) <= MOST_UNKNOWNS
-    return task.prior.step is None and rough and few and not staged
+    # An optimiser of fixed length would go all its way in each of the stages that this takes.
+    settles = not task.optimiser.fixed_length()
+    return task.prior.step is None and rough and few and settles and not staged
 
 
 def stage_orders(task: Task, ready: Ready) -> tuple[int, ...]:

@@ -28,7 +28,8 @@ class Prior:
     """What is believed before the data.
 
     - `step`: standard deviation of log(phi) between neighbouring controls [1]; small is smooth.
-      None lets the data choose, for fields on control points and patches.
+      None lets the data choose, for fields on control points and patches and optimisers that
+      stop by themselves; it is 0.3 for others.
     - `spread`: by quantity, the standard deviation of log(phi) about its initial value [1];
       quantities that the scene's own prior names take it from there.
     - `decay`: weight of the squared parameters [1].
