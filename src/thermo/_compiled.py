@@ -57,8 +57,8 @@ MOST_MAPS = 0.5
 def make_room() -> None:
     """Drop the compiled programs in memory when they have come near what the system allows.
 
-    Every program takes some hundred memory maps and keeps them. A process that fits one body after
-    the other would come to the limit, after which nothing compiles: "LLVM compilation error:
+    Every program takes memory maps and keeps them. A process that fits one body after the other
+    would come to the limit, after which nothing compiles: "LLVM compilation error:
     Cannot allocate memory". What is needed again comes from the folder on disk. Elsewhere than on
     Linux there is no such limit.
     """

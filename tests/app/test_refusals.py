@@ -224,3 +224,25 @@ def test_help_and_version_are_no_errors(words: list[str], command: Command) -> N
     outcome = command(*words)
     assert outcome.code == 0 and outcome.err == ""
     assert ("thermo invert" in outcome.out) == (words != ["--version"])
+
+
+@pytest.mark.parametrize(
+    ("words", "parts"),
+    [
+        (["study"], ["give the name of a study: paper"]),
+        (["study", "nonsense"], ["give the name of a study: paper", "nonsense"]),
+        (["study", "paper", "data=nowhere"], ["data", "nowhere/cube", "data=FOLDER"]),
+        (["study", "paper", "data=nowhere", "size=huge"], ["size", "huge", "quick, full"]),
+        (["study", "paper", "data=nowhere", "rows=[cat-cooling]"], ["rows", "cat-cooling"]),
+        (["study", "paper", "data=nowhere", "presets=best"], ["presets", "[a,b]"]),
+        (["ensemble", "folder=nowhere"], ["nowhere", "no such folder", "thermo invert -m"]),
+    ],
+)
+def test_a_study_and_an_ensemble_say_what_they_want(
+    words: list[str], parts: list[str], command: Command
+) -> None:
+    outcome = command(*words)
+    assert outcome.code == 2 and outcome.out == ""
+    for part in parts:
+        assert part in outcome.err
+    assert list(Path.cwd().iterdir()) == []

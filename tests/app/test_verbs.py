@@ -58,6 +58,10 @@ def test_invert_leaves_the_result_of_the_contract(fit: Path) -> None:
     assert set(found["fit"]["noise"]) == {"lamp", "cooling"}
     assert all(0 < value < 0.1 for value in found["fit"]["noise"].values())
     assert found["success"] is True and found["seconds"] > 0
+    # Noise of 0.01 K beside a model error of as much, not raised: one value has no neighbours.
+    assert all(0.01 < value < 0.03 for value in found["fit"]["deviation"].values())
+    assert found["fit"]["smoothness"] == {}
+    assert set(found["fit"]["final_mae"]) == {"lamp", "cooling"}
     assert found["mesh"]["order"] == 1 and found["verb"] == "invert"
     assert len(found["fit"]["loss"][0]) == 3
     assert found["configuration"]["optimiser"]["kind"] == "adam"
@@ -87,6 +91,9 @@ def test_invert_says_what_it_found(fit: Path) -> None:
     said = (fit.parent / "said").read_text()
     assert "conductivity" in said and "W/m/K" in said and "rmse [K]" in said
     assert str(fit / "result.json") in said and "mm deep" in said
+    # Adam settles nowhere: it goes all its way.
+    assert "Made all 3 steps." in said and "Settled" not in said
+    assert not (fit / "checkpoint.npz").exists(), "it goes once the result is safe"
 
 
 def test_predict_scores_the_held_out_run(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final, final
 
 import numpy as np
@@ -36,6 +37,15 @@ class Linearised:
     rough: dict[str, Float[np.ndarray, "pairs unknowns"]]
     apart: dict[str, Float[np.ndarray, " pairs"]]
 
+    @cached_property
+    def _quadratics(self) -> dict[str, tuple[np.ndarray, np.ndarray, float, int]]:
+        """By field D'D, D'a, |a|^2 and the rank of D, the same for all steps."""
+        return {
+            name: (rows.T @ rows, rows.T @ self.apart[name], float(np.sum(self.apart[name] ** 2)),
+                   int(np.linalg.matrix_rank(rows)))
+            for name, rows in self.rough.items()
+        }  # fmt: skip
+
     def solve(
         self, steps: dict[str, float]
     ) -> tuple[Float[np.ndarray, " unknowns"], Float[np.ndarray, "unknowns unknowns"]]:
@@ -50,8 +60,9 @@ class Linearised:
         faint = max(_FAINT, _FAINT_SHARE * float(np.diagonal(self.information).max()))
         curvature, slope = self.information + faint * np.eye(len(self.slope)), self.slope.copy()
         for name, step in steps.items():
-            curvature += self.rough[name].T @ self.rough[name] / step**2
-            slope += self.rough[name].T @ self.apart[name] / step**2
+            square, pull, _, _ = self._quadratics[name]
+            curvature += square / step**2
+            slope += pull / step**2
         return curvature, slope
 
     def log_evidence(self, steps: dict[str, float]) -> float:
@@ -65,8 +76,8 @@ class Linearised:
         curvature, slope = self._total(steps)
         loss = -0.5 * slope @ np.linalg.solve(curvature, slope)
         for name, step in steps.items():
-            loss += 0.5 * float(np.sum(self.apart[name] ** 2)) / step**2
-            loss += np.linalg.matrix_rank(self.rough[name]) * np.log(step)
+            _, _, apart, rank = self._quadratics[name]
+            loss += 0.5 * apart / step**2 + rank * np.log(step)
         return -float(loss) - 0.5 * float(np.linalg.slogdet(curvature)[1])
 
 

@@ -12,22 +12,21 @@ import numpy as np
 from thermo._compiled import make_room
 from thermo.errors import InputError
 from thermo.fields import AbstractField, TwoMaterialField
-from thermo.inverse._body import Meshing, check_values, duration
+from thermo.inverse._body import Meshing, duration
 from thermo.inverse._estimate import Estimate, RecoveredField, RunFit
 from thermo.inverse._field_choice import AbstractFieldChoice, OnControlPoints, TwoMaterials
 from thermo.inverse._least_squares import LevenbergMarquardt
 from thermo.inverse._minimise import OnStep, minimise
 from thermo.inverse._objective import with_fields
 from thermo.inverse._optimiser import AbstractOptimiser
-from thermo.inverse._properties import check_unknowns, diffusivity_quantile
+from thermo.inverse._properties import diffusivity_quantile
 from thermo.inverse._run_fit import run_fits
-from thermo.inverse._selection import select_fit_runs, select_unknowns
 from thermo.inverse._smoothing import ALL_BUT_UNIFORM
 from thermo.inverse._stages import data_choose, make_stage, stage_orders
 from thermo.inverse._stepping import Stepping
-from thermo.inverse._task import Prior, Task, prepare
+from thermo.inverse._task import Prior, Task, prepare, what_is_asked
 from thermo.mesh import resolution
-from thermo.observe import Scene, read_scene
+from thermo.observe import Scene
 
 
 def invert(
@@ -78,13 +77,8 @@ def invert(
     """
     begun = time.monotonic()
     make_room()
-    scene = data if isinstance(data, Scene) else read_scene(Path(data))
-    names = select_unknowns(scene, unknown)
-    initial = {} if initial is None else initial
-    check_unknowns(names, scene, initial)
-    check_values(initial, names)
+    scene, fitted, names, initial = what_is_asked(data, runs, unknown, initial)
     _check_start(start)
-    fitted = tuple(select_fit_runs(scene, runs))
     how = (choice or OnControlPoints(), optimiser or LevenbergMarquardt(), prior or Prior())
     cut = (stepping or Stepping(), meshing or Meshing())
     task = Task(scene, fitted, names, *how, *cut, stages, initial, seed, model_error, start)

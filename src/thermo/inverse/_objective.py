@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import final
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float, Int, PyTree
 
@@ -160,6 +161,17 @@ def residual(objective: Objective, parameters: Parameters) -> Float[Array, " all
         each = jax.lax.map(lambda one: data_residual(objective, parameters, one), case)
         parts.append(each.ravel())
     return jnp.concatenate([*parts, penalty(objective, parameters)])
+
+
+def run_parts(
+    objective: Objective,
+) -> Iterator[tuple[int, slice, Float[np.ndarray, "frames samples"]]]:
+    """Of each run its number, its part of the residual, and the weights there [1/K]."""
+    begin, numbers = 0, iter(objective.sequence)
+    for case in objective.cases:
+        for weight in np.asarray(case.weight):
+            yield next(numbers), slice(begin, begin + weight.size), weight
+            begin += weight.size
 
 
 def jacobian(

@@ -15,16 +15,14 @@ from jaxtyping import Array, Float
 
 from thermo._compiled import make_room
 from thermo.errors import InputError
-from thermo.inverse._body import Meshing, check_values
+from thermo.inverse._body import Meshing
 from thermo.inverse._field_choice import AbstractFieldChoice, Uniform
 from thermo.inverse._first_order import Adam
-from thermo.inverse._objective import Objective, jacobian, start, with_fields
-from thermo.inverse._properties import check_unknowns
-from thermo.inverse._selection import select_fit_runs, select_unknowns
+from thermo.inverse._objective import Objective, jacobian, run_parts, start, with_fields
 from thermo.inverse._stages import make_objective
 from thermo.inverse._stepping import Stepping
-from thermo.inverse._task import Prior, Task, prepare
-from thermo.observe import Scene, read_scene
+from thermo.inverse._task import Prior, Task, prepare, what_is_asked
+from thermo.observe import Scene
 
 
 @final
@@ -59,13 +57,8 @@ def sensitivity(
     the recordings are not used, unless a conductivity that nobody states is to be found: then to
     choose one roughly. Raises `InputError` as `invert` does.
     """
-    scene = data if isinstance(data, Scene) else read_scene(Path(data))
     make_room()
-    names = select_unknowns(scene, unknown)
-    initial = {} if initial is None else initial
-    check_unknowns(names, scene, initial)
-    check_values(initial, names)
-    picked = tuple(select_fit_runs(scene, runs))
+    scene, picked, names, initial = what_is_asked(data, runs, unknown, initial)
     # No optimiser steps here; any that takes no tangents of its own will do.
     how = (choice or Uniform(), Adam(), Prior())
     cut = (stepping or Stepping(), meshing or Meshing())
@@ -92,14 +85,12 @@ def _in_kelvin(objective: Objective, matrix: np.ndarray, task: Task) -> Sensitiv
             remedy="give Uniform, Patchwise or OnControlPoints",
         )
     matrix = matrix @ np.linalg.inv(change)
-    slopes, noise, begin, numbers = {}, {}, 0, iter(objective.sequence)
-    for case in objective.cases:
-        for weight in np.asarray(case.weight):
-            run = task.runs[next(numbers)]
-            part = matrix[begin : begin + weight.size].reshape(*weight.shape, -1)
-            begin += weight.size
-            noise[run.name] = 1 / float(weight.max())
-            slopes[run.name] = part[:, : len(run.recording.points)] * noise[run.name]
+    slopes, noise = {}, {}
+    for number, part, weight in run_parts(objective):
+        run = task.runs[number]
+        here = matrix[part].reshape(*weight.shape, -1)
+        noise[run.name] = 1 / float(weight.max())
+        slopes[run.name] = here[:, : len(run.recording.points)] * noise[run.name]
     sizes = [(name, field.control_values().size) for name, field in objective.fields.items()]
     columns = tuple(name for name, size in sizes for _ in range(size))
     return Sensitivity(columns, slopes, noise)

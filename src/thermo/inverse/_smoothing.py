@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final
 
@@ -11,7 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Float
 
 from thermo.inverse._effective_size import repeats
 from thermo.inverse._evidence import Linearised, most_probable_steps
@@ -21,6 +21,7 @@ from thermo.inverse._objective import (
     jacobian,
     neighbour_differences,
     residual,
+    run_parts,
     start,
     with_fields,
 )
@@ -74,8 +75,8 @@ def ask_data(objective: Objective, samples: Sequence[np.ndarray]) -> Choice:
     move, _ = near(np.ones_like(data)).solve(dict.fromkeys(rough, WEAK_STEP))
     rest = data + slopes @ move
     share, weights = np.ones_like(data), np.ones(len(samples))
-    for run, part, known in _runs(objective):
-        places = samples[run]
+    for run, part, weight in run_parts(objective):
+        places, known = samples[run], weight > 0
         error = rest[part].reshape(known.shape)[:, : len(places)]
         square = float(np.mean(rest[part][known.ravel()] ** 2))
         inflation = max(1.0, square * repeats(error, known[:, : len(places)], places))
@@ -134,17 +135,6 @@ def _priors(
     rough = {name: np.asarray(rows) for name, rows in jax.jacfwd(apart)(flat).items()}
     differences = {name: np.asarray(values) for name, values in apart(flat).items()}
     return (np.asarray(beliefs(flat)), np.asarray(slopes)), rough, differences
-
-
-def _runs(
-    objective: Objective,
-) -> Iterator[tuple[int, slice, Bool[np.ndarray, "frames samples"]]]:
-    """Of each run its number, its part of the residual [1], and which of its values count."""
-    begin, numbers = 0, iter(objective.sequence)
-    for case in objective.cases:
-        for known in np.asarray(case.weight) > 0:
-            yield next(numbers), slice(begin, begin + known.size), known
-            begin += known.size
 
 
 def with_choice(objective: Objective, choice: Choice) -> Objective:

@@ -4,21 +4,30 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import final
 
 import jax.numpy as jnp
 import numpy as np
 
 from thermo.fields import QUANTITIES, AbstractField
-from thermo.inverse._body import Meshing, make_mesh, scan_conductivity, state, surface_of
+from thermo.inverse._body import (
+    Meshing,
+    check_values,
+    make_mesh,
+    scan_conductivity,
+    state,
+    surface_of,
+)
 from thermo.inverse._field_choice import AbstractFieldChoice
 from thermo.inverse._objective import FieldPrior
 from thermo.inverse._optimiser import AbstractOptimiser
-from thermo.inverse._properties import Stated
+from thermo.inverse._properties import Stated, check_unknowns
+from thermo.inverse._selection import select_fit_runs, select_unknowns
 from thermo.inverse._smoothing import WEAK_STEP
 from thermo.inverse._stepping import Stepping, fit_frames, planned_steps
 from thermo.mesh import Mesh
-from thermo.observe import Run, Scene
+from thermo.observe import Run, Scene, read_scene
 from thermo.physics import TimeGrid
 
 
@@ -120,6 +129,24 @@ class Ready:
     priors: dict[str, FieldPrior]
     grids: dict[str, TimeGrid]
     steps: dict[str, TimeGrid | None]
+
+
+def what_is_asked(
+    data: Scene | str | Path,
+    runs: tuple[str, ...] | None,
+    unknown: tuple[str, ...] | None,
+    initial: dict[str, float] | None,
+) -> tuple[Scene, tuple[Run, ...], tuple[str, ...], dict[str, float]]:
+    """The scene, runs, unknowns and first values [SI] of a fit, checked before any work.
+
+    Arguments as for `invert`. Raises `InputError` as it does.
+    """
+    scene = data if isinstance(data, Scene) else read_scene(Path(data))
+    names = select_unknowns(scene, unknown)
+    initial = {} if initial is None else initial
+    check_unknowns(names, scene, initial)
+    check_values(initial, names)
+    return scene, tuple(select_fit_runs(scene, runs)), names, initial
 
 
 def prepare(task: Task) -> Ready:
