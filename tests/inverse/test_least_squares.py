@@ -189,3 +189,23 @@ def test_with_coarse_tangents_a_small_gain_ends_a_fit() -> None:
     assert 0 < gains[-1] < share and (gains[:-1] > share).all()
     # What the tangents promised was still more than that.
     assert fit.loss - exact.loss > share * fit.loss > 0.05
+
+
+def test_a_second_fit_of_the_same_shapes_traces_no_step_anew(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    traced: list[Objective] = []
+    dense = least_squares._dense
+
+    def counted(objective: Objective, parameters: Parameters) -> Any:
+        traced.append(objective)
+        return dense(objective, parameters)
+
+    monkeypatch.setattr(least_squares, "_dense", counted)
+    # Weights that no other test has, so that none has compiled this program before.
+    first = replace(sharpened(17.0), settled=3.7e-4)
+    other = replace(sharpened(19.0), settled=3.7e-4)
+    optimiser = LevenbergMarquardt(max_steps=20)
+    one, two = (minimise([at(problem)], optimiser, key="x") for problem in (first, other))
+    assert one.success and two.success and two.loss > one.loss
+    assert len(traced) == 1

@@ -9,7 +9,16 @@ import trimesh
 from matplotlib import image
 from matplotlib.colors import LogNorm
 
-from thermo.report import figure_curves, figure_field, figure_history, figure_residuals
+from thermo.report import (
+    RepeatedFits,
+    TransferMap,
+    figure_curves,
+    figure_field,
+    figure_history,
+    figure_residuals,
+    figure_robustness,
+    figure_transfer,
+)
 from thermo.report._figure_curves import representative
 from thermo.report._figure_field import colour_norm
 
@@ -157,6 +166,42 @@ def test_history(tmp_path: Path, losses: list[float]) -> None:
     pixels = picture(tmp_path / "a.png")
     assert pixels.shape[:2] == (540, 900)
     assert hue_pixels(pixels) > 50
+
+
+def repeated(label: str, **more: object) -> RepeatedFits:
+    starts = np.repeat([0.1, 10.0], 2)
+    numbers = {"ratios": np.full(4, 1.0), "widths": np.zeros(4), "final_errors": np.full(4, 0.01)}
+    known = {"within": 0.001, "across": 0.002, "published": (1.1, 0.7, 0.1)}
+    return RepeatedFits(**{"label": label, "starts": starts, **numbers, **known, **more})
+
+
+def test_repeated_fits_are_drawn_by_start(tmp_path: Path) -> None:
+    alone = repeated("b", published=None, within=np.nan, across=np.nan)
+    figure_robustness(tmp_path / "new" / "a.png", [repeated("a"), alone])
+    pixels = picture(tmp_path / "new" / "a.png")
+    assert pixels.shape[:2] == (1020, 1425)
+    for start in (0.0, 0.9):
+        assert holds(pixels, mpl.colormaps["viridis"](start)) > 300
+    # A cross stands in three panels of one group and in the legend.
+    red = holds(pixels, (0.698, 0.094, 0.169))
+    figure_robustness(tmp_path / "other" / "b.png", [repeated("a"), repeated("b")])
+    assert red > 100 and holds(picture(tmp_path / "other" / "b.png"), (0.698, 0.094, 0.169)) > red
+
+
+def test_a_field_is_drawn_around_the_truth(tmp_path: Path) -> None:
+    left = NODES[FACES].mean(axis=1)[:, 0] < 0
+    areas, some = np.ones(len(FACES)), NODES[::9]
+    errors = np.linspace(0, 1, len(some))
+    for name, high in (("apart", 1.5), ("alike", 1.0001)):
+        ratio = np.where(left, high, 2 - high)
+        one = TransferMap("ball", NODES, FACES, ratio, areas, (some, errors), (some, errors))
+        figure_transfer(tmp_path / name / "a.png", [one, one])
+    apart, alike = (picture(tmp_path / name / "a.png") for name in ("apart", "alike"))
+    assert apart.shape[:2] == (1575, 1080)
+    balls = slice(0, 400), slice(0, 400)
+    assert hue_pixels(apart[balls]) > 20_000
+    # A hundredth of a per cent is no pattern.
+    assert hue_pixels(alike[balls]) < 200
 
 
 def test_figures_leave_pyplot_alone(tmp_path: Path) -> None:

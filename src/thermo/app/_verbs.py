@@ -113,6 +113,7 @@ def study(settings: Configuration) -> None:
     cache = settings["mesh_cache"]
     cases = paper_cases(
         Path(settings["data"]),
+        parts=names(settings["parts"], "parts"),
         rows=names(settings["rows"], "rows"),
         presets=names(settings["presets"], "presets") or (),
         noises=names(settings["noise"], "noise") or (),

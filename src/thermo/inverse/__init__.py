@@ -1,6 +1,6 @@
 """From recordings to fields, and from fields to predictions."""
 
-from thermo.inverse._body import Meshing
+from thermo.inverse._body import SCANNED_CONDUCTIVITIES, Meshing
 from thermo.inverse._checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from thermo.inverse._estimate import (
     Estimate,
@@ -34,6 +34,7 @@ from thermo.inverse._stepping import Stepping
 from thermo.inverse._task import Prior
 
 __all__ = [
+    "SCANNED_CONDUCTIVITIES",
     "AbstractFieldChoice",
     "AbstractOptimiser",
     "AbstractStagedChoice",

@@ -27,7 +27,7 @@ from thermo.observe import Run, Scene, bind
 from thermo.physics import discretise, uniform_steps
 
 # Standing in for a conductivity that nothing is known of: from foam to silver [W/m/K].
-SCAN = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
+SCANNED_CONDUCTIVITIES = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 SCAN_NODES = 1500
 
 
@@ -145,7 +145,7 @@ def scan_conductivity(scene: Scene, surface: Surface, runs: list[Run], meshing: 
     edge = coarse * max(shrink, 1.0)
     mesh = tetrahedralise(surface, Sizing(edge, edge, edge), cache=meshing.cache)
     space = discretise(mesh)
-    misfit = np.zeros(len(SCAN))
+    misfit = np.zeros(len(SCANNED_CONDUCTIVITIES))
     for run in runs:
         frames = run.recording.time[:: max(len(run.recording.time) // 20, 1)]
         where = f"runs.{run.name}.recording"
@@ -155,8 +155,8 @@ def scan_conductivity(scene: Scene, surface: Surface, runs: list[Run], meshing: 
         picked = np.searchsorted(run.recording.time, frames - 1e-9)
         data, valid = run.recording.temperature[picked], run.recording.valid[picked]
         sizes = (len(space.mesh.cells), len(space.mesh.faces))
-        stated = [state(scene, {"conductivity": value}, value) for value in SCAN]
+        stated = [state(scene, {"conductivity": value}, value) for value in SCANNED_CONDUCTIVITIES]
         models = [make_model(space, properties(one, {}, *sizes), under) for one in stated]
         for number, found in enumerate(solve_each(models, under, grid, readout)):
             misfit[number] += float((np.where(valid, found - data, 0.0) ** 2).sum())
-    return float(SCAN[int(np.argmin(misfit))])
+    return float(SCANNED_CONDUCTIVITIES[int(np.argmin(misfit))])

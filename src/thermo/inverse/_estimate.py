@@ -58,6 +58,12 @@ class RunFit:
     measured: Float[np.ndarray, "frames samples"]
     simulated: Float[np.ndarray, "frames samples"]
 
+    def final_mae(self) -> float:
+        """Mean absolute residual at the last fitted frame that has readings [K]."""
+        apart = np.abs(self.simulated - self.measured)
+        last = np.flatnonzero(np.isfinite(apart).any(axis=1))[-1]
+        return float(np.nanmean(apart[last]))
+
 
 @final
 @dataclass(frozen=True)

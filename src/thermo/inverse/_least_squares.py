@@ -13,7 +13,7 @@ import optimistix as optx
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
-from thermo.inverse._objective import Objective, Parameters, jacobian, residual
+from thermo.inverse._objective import Objective, Parameters, jacobian, penalty, residual
 from thermo.inverse._optimiser import AbstractOptimiser, Memory
 
 # The first damping is light: the parameters are logarithms, of order one, and whitened residuals
@@ -32,24 +32,30 @@ STALLED = 3
 ACCEPTED, GOOD, WIDEN, NARROW = 0.01, 0.99, 3.5, 0.25
 
 
-def _dense_residual(objective: Objective, unravel: Any) -> Any:
-    """Residual whose derivative is made densely, all directions at once."""
+def _dense(
+    objective: Objective, parameters: Parameters
+) -> tuple[Float[Array, " all"], Float[Array, "all unknowns"]]:
+    """The residual [1] and its Jacobian [1], or the one of the coarse tangents, at a point."""
+    if objective.tangents is None:
+        return jacobian(objective, parameters)
+    _, matrix = jacobian(objective.tangents, parameters)
+    return residual(objective, parameters), matrix
+
+
+def _known(value: Float[Array, " all"], matrix: Float[Array, "all unknowns"]) -> Any:
+    """A function as optimistix wants it, known at the one point where a step asks for it [1]."""
 
     @jax.custom_jvp
     def function(flat: Float[Array, " unknowns"]) -> Float[Array, " all"]:
-        return residual(objective, unravel(flat))
+        del flat
+        return value
 
     @function.defjvp
     def _(point: Any, tangent: Any) -> Any:
-        parameters = unravel(point[0])
-        if objective.tangents is None:
-            value, matrix = jacobian(objective, parameters)
-        else:
-            value = residual(objective, parameters)
-            _, matrix = jacobian(objective.tangents, parameters)
+        del point
         return value, matrix @ tangent[0]
 
-    return function
+    return lambda point, args: (function(point), None)
 
 
 def _most(trust: Float[Array, ""]) -> Float[Array, ""]:
@@ -127,22 +133,16 @@ class _BoundedDescent(optx.AbstractDescent):
         return better, optx.RESULTS.successful
 
 
-def _prepare(
-    objective: Objective, parameters: Parameters
-) -> tuple[Any, Float[Array, " unknowns"], Any]:
-    flat, unravel = ravel_pytree(parameters)
-    plain = _dense_residual(objective, unravel)
-
-    def function(point: Any, args: Any) -> tuple[Any, None]:
-        del args
-        return plain(point), None
-
-    return function, flat, unravel
-
-
+# Compiled for what it keeps: the state holds the shape of a Jacobian as a program of its own, and a
+# second fit of the same shapes must meet the same one, or every step would be traced anew.
+@eqx.filter_jit
 def _begin(objective: Objective, parameters: Parameters, solver: Any) -> Any:
-    function, flat, _ = _prepare(objective, parameters)
-    shape = jax.eval_shape(lambda point: function(point, None)[0], flat)
+    flat, _ = ravel_pytree(parameters)
+    # Only shapes count here; tracing a whole run for them takes seconds.
+    terms = jax.eval_shape(lambda: penalty(objective, parameters)).size
+    count = sum(case.weight.size for case in objective.cases) + terms
+    function = _known(jnp.zeros(count), jnp.zeros((count, flat.size)))
+    shape = jax.ShapeDtypeStruct((count,), flat.dtype)
     state = solver.init(function, flat, None, {}, shape, None, frozenset())
     # With a weak type here the second step would be compiled anew.
     first = jnp.asarray(FIRST_STEP, float)
@@ -153,7 +153,8 @@ def _begin(objective: Objective, parameters: Parameters, solver: Any) -> Any:
 def _advance(
     objective: Objective, parameters: Parameters, state: Any, solver: Any
 ) -> tuple[Parameters, Any, Float[Array, ""], Any]:
-    function, flat, unravel = _prepare(objective, parameters)
+    flat, unravel = ravel_pytree(parameters)
+    function = _known(*_dense(objective, unravel(state.y_eval)))
     before = state
     new, state, _ = solver.step(function, flat, None, {}, state, frozenset())
     # Trust never passes where it began, so that every refusal shortens the next step.

@@ -4,6 +4,8 @@ from ._figure_curves import figure_curves
 from ._figure_field import figure_field
 from ._figure_history import figure_history
 from ._figure_residuals import figure_residuals
+from ._figure_robustness import RepeatedFits, figure_robustness
+from ._figure_transfer import TransferMap, figure_transfer
 from ._folder import require_writable
 from ._json import write_json
 from ._npz import write_npz
@@ -17,10 +19,14 @@ from ._write_prediction import prediction_table, write_predictions
 
 __all__ = [
     "Progress",
+    "RepeatedFits",
+    "TransferMap",
     "figure_curves",
     "figure_field",
     "figure_history",
     "figure_residuals",
+    "figure_robustness",
+    "figure_transfer",
     "inversion_record",
     "inversion_table",
     "prediction_table",

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from thermo.inverse import Estimate, RunFit, save_estimate, summary, surface_values
+from thermo.inverse import Estimate, save_estimate, summary, surface_values
 
 from ._figure_curves import figure_curves
 from ._figure_field import figure_field
@@ -31,7 +31,7 @@ def inversion_record(estimate: Estimate, configuration: Mapping[str, Any]) -> di
             "rmse": {name: run.rmse for name, run in estimate.runs.items()},
             "noise": {name: run.noise for name, run in estimate.runs.items()},
             "deviation": {name: run.deviation for name, run in estimate.runs.items()},
-            "final_mae": {name: _at_the_end(run) for name, run in estimate.runs.items()},
+            "final_mae": {name: run.final_mae() for name, run in estimate.runs.items()},
             "rmse_unit": "K",
             "smoothness": estimate.smoothness,
             "frames": {name: len(run.time) for name, run in estimate.runs.items()},
@@ -50,13 +50,6 @@ def inversion_record(estimate: Estimate, configuration: Mapping[str, Any]) -> di
         "versions": versions(),
         "configuration": configuration,
     }
-
-
-def _at_the_end(run: RunFit) -> float:
-    """Mean absolute residual at the last fitted frame that has readings [K]."""
-    apart = np.abs(run.simulated - run.measured)
-    last = np.flatnonzero(np.isfinite(apart).any(axis=1))[-1]
-    return float(np.nanmean(apart[last]))
 
 
 def _figures(folder: Path, estimate: Estimate) -> None:

@@ -1,10 +1,12 @@
 """Studies: the same question of many scenes, beside published answers."""
 
+from thermo.study._case import Case, truth
+from thermo.study._case_study import study_case
 from thermo.study._ensemble import Ensemble, Member, ensemble_record, gather, read_members
 from thermo.study._paper import ROWS, TABLE_ONE, Row
+from thermo.study._paper_cases import paper_cases
 from thermo.study._preset import PRESETS, Preset
-from thermo.study._row_study import Case, study_row, truth
-from thermo.study._study import paper_cases, study
+from thermo.study._study import study
 from thermo.study._tables import write_tables
 
 __all__ = [
@@ -21,7 +23,7 @@ __all__ = [
     "paper_cases",
     "read_members",
     "study",
-    "study_row",
+    "study_case",
     "truth",
     "write_tables",
 ]

@@ -24,7 +24,7 @@ class Member:
     """One of the repeated fits.
 
     - `folder`; `start`, `seed`: that it began with [1].
-    - `median`, `p05`, `p95`: by field, over the surface [SI].
+    - `median`: by field, over the surface [SI]; `width`: (p95 - p05) / median [1].
     - `final_error`: mean absolute residual at the last frame, over runs [K]; `success`.
     """
 
@@ -32,8 +32,7 @@ class Member:
     start: float
     seed: int
     median: dict[str, float]
-    p05: dict[str, float]
-    p95: dict[str, float]
+    width: dict[str, float]
     final_error: float
     success: bool
 
@@ -72,13 +71,13 @@ def read_members(folder: Path) -> tuple[list[Member], dict[str, str]]:
         fields, settings = record["fields"], record["configuration"]
         units |= {name: item["unit"] for name, item in fields.items()}
         kinds.add(json.dumps({k: v for k, v in settings.items() if k not in REPEATED}))
-        quantiles = {
-            q: {n: item[q] for n, item in fields.items()} for q in ("median", "p05", "p95")
-        }
+        median = {name: item["median"] for name, item in fields.items()}
+        width = {n: (item["p95"] - item["p05"]) / median[n] for n, item in fields.items()}
         final = float(np.mean(list(record["fit"]["final_mae"].values())))
         begun = (float(settings["init"]), int(settings["seed"]))
-        members.append(Member(path.parent.name, *begun, **quantiles, final_error=final,
-                              success=bool(record["success"])))  # fmt: skip
+        members.append(
+            Member(path.parent.name, *begun, median, width, final, bool(record["success"]))
+        )
     if len(members) < 2 or len(kinds) > 1:
         raise InputError(
             "these are no repeated fits of one kind",
@@ -99,14 +98,13 @@ def gather(members: Sequence[Member], units: Mapping[str, str]) -> dict[str, Ens
 
 def _gathered(members: Sequence[Member], name: str, unit: str) -> Ensemble:
     medians = np.array([member.median[name] for member in members])
-    widths = np.array([(m.p95[name] - m.p05[name]) / m.median[name] for m in members])
     table = _balanced(members, np.log(medians))
     return Ensemble(
         members=len(members),
         unit=unit,
         median=float(np.median(medians)),
         deviation=float(np.log(medians).std(ddof=1)),
-        width=float(np.median(widths)),
+        width=float(np.median([member.width[name] for member in members])),
         split=None if table is None else split_variance(table),
         final_error=float(np.median([member.final_error for member in members])),
     )

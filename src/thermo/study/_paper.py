@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Final, final
+
+BOTH: Final = ("cooling", "heating")
+JOINT: Final = "joint"
+"""A process that fits the runs of `BOTH` at once."""
+
+HELD_OUT: Final = MappingProxyType({"warming": "test_warming", "heating": "test_heating"})
+"""Runs that are predicted, by what the paper's table 2 calls them."""
 
 
 @final
@@ -36,6 +43,10 @@ class Row:
         """Object and process, as in `cube-cooling`."""
         return f"{self.object}-{self.process}"
 
+    def runs(self) -> tuple[str, ...]:
+        """Names of the runs that are fitted."""
+        return BOTH if self.process == JOINT else (self.process,)
+
 
 _ALPHA: Final = "diffusivity"
 
@@ -64,3 +75,24 @@ ROWS: Final = MappingProxyType({row.name(): row for row in TABLE_ONE})
 
 QUICK_ROWS: Final = ("cube-heating", "cylinder-cooling")
 """What a quick study looks at."""
+
+REPEATED: Final = MappingProxyType({
+    "bunny-cooling": (1.147, 1.337, 0.227),
+    "car-cooling": (0.791, 0.803, 0.0047),
+    "car-heating": (0.949, 0.739, 0.0105),
+    "sphere-heating": (0.963, 0.655, 0.0731),
+    "bear-cooling": (1.107, 1.182, 0.0783),
+})  # fmt: skip
+"""Figure 3 of the paper: medians over 16 fits of ratio [1], width [1] and final error [K]."""
+
+
+def joint_row(row: Row) -> Row | None:
+    """The row that fits cooling and heating of an object at once.
+
+    None where the two do not share an unknown.
+    """
+    names = [f"{row.object}-{process}" for process in BOTH]
+    if any(name not in ROWS or ROWS[name].quantity != row.quantity for name in names):
+        return None
+    nan = float("nan")
+    return replace(row, process=JOINT, error=nan, ratio=nan, width=nan, warming=None, heating=None)

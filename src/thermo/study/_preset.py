@@ -24,10 +24,13 @@ from thermo.physics.integrators import BackwardEuler
 @final
 @dataclass(frozen=True)
 class Preset:
-    """Everything that `thermo.invert` can be told about how to fit [SI units as there]."""
+    """Everything that `thermo.invert` can be told about how to fit [SI units as there].
+
+    Without an `optimiser` nothing is fitted: what the prior expects is the answer.
+    """
 
     choice: AbstractFieldChoice = field(default_factory=OnControlPoints)
-    optimiser: AbstractOptimiser = field(default_factory=LevenbergMarquardt)
+    optimiser: AbstractOptimiser | None = field(default_factory=LevenbergMarquardt)
     prior: Prior = field(default_factory=Prior)
     stepping: Stepping = field(default_factory=Stepping)
     meshing: Meshing = field(default_factory=Meshing)
@@ -43,7 +46,10 @@ _PAPER: Final = Preset(
     meshing=Meshing(max_nodes=6000),
 )
 
-PRESETS: Final = MappingProxyType(
-    {"best": Preset(), "uniform": Preset(choice=Uniform()), "paper": _PAPER}
-)
-"""Ours, the same with one value for the body, and the paper's."""
+PRESETS: Final = MappingProxyType({
+    "best": Preset(),
+    "uniform": Preset(choice=Uniform()),
+    "prior": Preset(choice=Uniform(), optimiser=None),
+    "paper": _PAPER,
+})  # fmt: skip
+"""Ours, the same with one value for the body, the value that the prior expects, the paper's."""
