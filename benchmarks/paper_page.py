@@ -1,9 +1,10 @@
-"""Put the tables of a study and of the spatial benchmark into docs/paper.md.
+"""Put the tables and figures of studies and of the spatial benchmark into docs/paper.md.
 
-    python benchmarks/paper_page.py STUDY
+    python benchmarks/paper_page.py STUDY ...
 
-STUDY is the folder that `thermo study paper` left. Tables of the page are replaced in place; CSV
-files of the study are copied to benchmarks/results.
+Each STUDY is a folder that `thermo study paper` left; where two hold the same row the later one
+counts. Tables of the page are replaced in place, CSV files go to benchmarks/results and figures to
+docs/images.
 """
 
 from __future__ import annotations
@@ -17,6 +18,22 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / "benchmarks" / "results"
 
+# Columns of a table that tell its rows apart.
+LABELS = {"recovery": 3, "transfer": 4, "processes": 3, "smoothness": 4, "ensembles": 3}
+FIGURES = ("robustness-best-none.png", "transfer-best-none.png")
+
+
+def merged(name: str, studies: list[Path]) -> list[list[str]]:
+    """The rows of one table of all studies, its header first."""
+    header, rows = [], {}
+    for study in studies:
+        path = study / f"{name}.csv"
+        if path.exists():
+            with path.open(newline="") as stream:
+                header, *found = csv.reader(stream)
+            rows |= {tuple(row[: LABELS[name]]): row for row in found}
+    return [header, *rows.values()]
+
 
 def markdown(path: Path) -> str:
     """A CSV file as a table in Markdown."""
@@ -28,14 +45,21 @@ def markdown(path: Path) -> str:
 
 def main() -> None:
     """Copy the files and fill the page."""
-    if len(sys.argv) != 2:
-        sys.exit("which study? python benchmarks/paper_page.py FOLDER")
-    study = Path(sys.argv[1])
-    for name in ("recovery", "transfer"):
-        shutil.copy(study / f"{name}.csv", RESULTS / f"paper_{name}.csv")
+    if len(sys.argv) < 2:
+        sys.exit("which studies? python benchmarks/paper_page.py FOLDER ...")
+    studies = [Path(word) for word in sys.argv[1:]]
+    for name in LABELS:
+        rows = merged(name, studies)
+        if len(rows) > 1:
+            with (RESULTS / f"paper_{name}.csv").open("w", newline="") as stream:
+                csv.writer(stream, lineterminator="\n").writerows(rows)
+    for figure in FIGURES:
+        for study in studies:
+            if (study / figure).exists():
+                shutil.copy(study / figure, ROOT / "docs" / "images" / f"paper_{figure}")
     page = ROOT / "docs" / "paper.md"
     text = page.read_text("utf-8")
-    for name in ("paper_recovery", "paper_transfer", "spatial"):
+    for name in (*(f"paper_{table}" for table in LABELS), "paper_gap", "spatial"):
         made = markdown(RESULTS / f"{name}.csv")
         mark = rf"(<!-- {name} -->\n).*?(\n<!-- end -->)"
         text, count = re.subn(mark, lambda hit, made=made: hit[1] + made + hit[2], text, flags=re.S)

@@ -10,15 +10,21 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from jax.flatten_util import ravel_pytree
 
+from thermo.fields import QUANTITIES
+from thermo.inverse import OnControlPoints
 from thermo.inverse._case import Case
 from thermo.inverse._first_order import loss
 from thermo.inverse._objective import (
+    PAIRS,
     Objective,
     Parameters,
     case_temperatures,
     jacobian,
+    neighbour_differences,
     penalty,
     residual,
     start,
@@ -26,7 +32,7 @@ from thermo.inverse._objective import (
 )
 from thermo.observe import Recording, Scene
 
-from .objectives import beliefs, case, measured, moved
+from .objectives import MESH, beliefs, case, measured, moved, prior
 
 
 @pytest.fixture(scope="module")
@@ -125,3 +131,22 @@ def test_fields_with_the_starting_parameters_are_the_fields(objective: Objective
     assert np.array_equal(
         np.asarray(again.cell_values()), np.asarray(objective.fields["conductivity"].cell_values())
     )
+
+
+@given(count=st.integers(0, 130), more=st.integers(0, 130))
+def test_pairs_that_fill_up_cost_nothing_and_keep_shapes(count: int, more: int) -> None:
+    field, _ = OnControlPoints(count=4).make(QUANTITIES["conductivity"], MESH, 0.5, 0)
+    varied = field.with_parameters(jnp.asarray([0.1, -0.4, 0.7, 0.0]))
+    rows = {}
+    for number in (count, count + more):
+        pairs = np.stack([np.arange(number) % 4, (np.arange(number) + 1) % 4], axis=1)
+        filled = prior(pairs, 0.8)
+        apart = np.asarray(neighbour_differences(filled, varied))
+        rows[number] = len(apart)
+        values = np.asarray(varied.smooth_values())
+        assert apart[:number] == pytest.approx(values[pairs[:, 0]] - values[pairs[:, 1]])
+        assert not apart[number:].any() and len(apart) < number + PAIRS
+        # Filling up again changes nothing.
+        assert replace(filled, step=jnp.asarray(0.1)).pairs.shape == filled.pairs.shape
+    same = -(-count // PAIRS) == -(-(count + more) // PAIRS)
+    assert (rows[count] == rows[count + more]) == same

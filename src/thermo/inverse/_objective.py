@@ -28,12 +28,24 @@ from thermo.physics.integrators import AbstractIntegrator
 Parameters = dict[str, PyTree[Float[Array, "..."]]]
 
 
+PAIRS = 64
+"""Pairs of controls are filled up to a multiple of this many [1]."""
+
+
+def _filled_up(pairs: Int[Array | np.ndarray, "pairs 2"]) -> Int[Array, "filled 2"]:
+    """Pairs of a control with itself after the others: they differ by nothing and cost nothing.
+
+    Other seeds make a few more or fewer pairs, and each number would need programs of its own.
+    """
+    return jnp.pad(jnp.asarray(pairs), ((0, -len(pairs) % PAIRS), (0, 0)))
+
+
 @final
 class FieldPrior(eqx.Module):
     """What is believed of a field before the data.
 
-    - `pairs`: neighbouring controls, (pairs, 2); `step`: standard deviation between neighbours of
-      the difference of log(phi), or of what else the field holds to be smooth [1].
+    - `pairs`: neighbouring controls, (pairs, 2), filled up; `step`: standard deviation between
+      neighbours of the difference of log(phi), or of what else the field holds to be smooth [1].
     - `centre`: a value in the field's unit, and `spread` the standard deviation of log(phi) about
       it [1]; infinity means that nothing is believed.
     - `decay`: weight of the squared parameters [1].
@@ -42,7 +54,7 @@ class FieldPrior(eqx.Module):
     not depend on the unit.
     """
 
-    pairs: Int[Array, "pairs 2"]
+    pairs: Int[Array, "pairs 2"] = eqx.field(converter=_filled_up)
     step: Float[Array, ""]
     centre: Float[Array, ""]
     spread: Float[Array, ""]

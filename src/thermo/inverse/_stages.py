@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
 from thermo.inverse._body import of_order
@@ -112,7 +111,7 @@ def _one_value(ready: Ready, before: Objective | None) -> Ready:
         level = float(field.control_values()[0])
         uniform, pairs = Uniform().make(field.quantity, ready.mesh, level, 0)
         fields[name] = uniform if before is None else before.fields[name]
-        priors[name] = replace(ready.priors[name], pairs=jnp.asarray(pairs))
+        priors[name] = replace(ready.priors[name], pairs=pairs)
     return replace(ready, fields=fields, priors=priors)
 
 
@@ -133,7 +132,7 @@ def _go_on(task: Task, ready: Ready, before: Objective) -> Ready:
         if isinstance(task.choice, AbstractStagedChoice):
             ended, pairs = task.choice.go_on(ended, pairs, ready.mesh, task.seed + number)
         fields[name] = ended
-        priors[name] = replace(prior, pairs=jnp.asarray(pairs))
+        priors[name] = replace(prior, pairs=pairs)
     return replace(ready, fields=fields, priors=priors)
 
 

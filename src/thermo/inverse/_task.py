@@ -59,7 +59,7 @@ def _priors(
     spread = {**scene.prior, **prior.spread}
     return {
         name: FieldPrior(
-            pairs=jnp.asarray(pairs[name]),
+            pairs=pairs[name],
             step=jnp.asarray(WEAK_STEP if prior.step is None else prior.step),
             centre=jnp.asarray(stated.of(name)),
             spread=jnp.asarray(spread.get(name, np.inf)),
