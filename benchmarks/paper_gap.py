@@ -3,7 +3,8 @@
     python benchmarks/paper_gap.py SCENES [ROW ...] [--out FOLDER]
 
 SCENES holds the paper's scenes; ROW is such as cube-heating, which is the default. Each fit leaves
-its record in FOLDER, where an interrupted run goes on; benchmarks/results/paper_gap.csv has them all.
+its record in FOLDER, where an interrupted run goes on; benchmarks/results/paper_gap.csv has them
+all.
 """
 
 from __future__ import annotations
@@ -47,9 +48,9 @@ def variants() -> dict[str, Preset]:
 
 def main() -> None:
     """Fit all variants and write the table after each."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description="the gap to the paper's method")
     parser.add_argument("scenes", type=Path)
-    parser.add_argument("rows", nargs="*", default=["cube-heating"], choices=list(ROWS))
+    parser.add_argument("rows", nargs="*", default=["cube-heating"])
     parser.add_argument("--out", type=Path, default=Path("outputs/paper_gap"))
     asked = parser.parse_args()
     asked.out.mkdir(parents=True, exist_ok=True)
