@@ -26,7 +26,7 @@ PAPER, BEST = PRESETS["paper"], PRESETS["best"]
 def variants() -> dict[str, Preset]:
     """The paper's preset, with one thing as ours, or more or less of one thing, at a time."""
     assert isinstance(PAPER.optimiser, Adam)
-    longer = replace(PAPER.optimiser, max_steps=3 * PAPER.optimiser.max_steps)
+    longer = replace(PAPER.optimiser, max_steps=2 * PAPER.optimiser.max_steps)
     controls = replace(PAPER, choice=OnControlPoints(count=60))
     least_squares = replace(controls, optimiser=LevenbergMarquardt())
     return {
@@ -42,7 +42,7 @@ def variants() -> dict[str, Preset]:
             least_squares, prior=Prior()
         ),
         "best": BEST,
-        "three times the epochs": replace(PAPER, optimiser=longer),
+        "twice the epochs": replace(PAPER, optimiser=longer),
     }
 
 

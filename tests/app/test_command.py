@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import sysconfig
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -45,13 +46,21 @@ def test_the_console_script_refuses_with_code_two(words: tuple[str, ...], tmp_pa
     assert list(tmp_path.iterdir()) == []
 
 
-def test_joblib_runs_the_jobs_of_a_sweep_side_by_side(
-    fit: Path, block: Path, cache: str, tmp_path: Path
+LAUNCHERS = {"joblib": "joblib", "ray": "ray", "submitit_local": "submitit"}
+"""Launchers of Hydra, and the package that each needs."""
+
+
+@pytest.mark.parametrize("launcher", LAUNCHERS)
+def test_a_launcher_runs_the_jobs_of_a_sweep(
+    launcher: str, fit: Path, block: Path, cache: str, tmp_path: Path
 ) -> None:
-    words = ["-m", "hydra/launcher=joblib", f"data={block}", f"out={tmp_path / 'sweep'}", cache]
+    if find_spec(LAUNCHERS[launcher]) is None:
+        pytest.skip(f"pip install '.[{LAUNCHERS[launcher]}]' for this launcher")
+    # A folder that is not absolute must end up beside the command, whoever runs the job.
+    words = ["-m", f"hydra/launcher={launcher}", f"data={block}", "out=sweep", cache]
     ended = subprocess.run(
         [SCRIPT, "invert", *words, *SMALL, "seed=0,1"], cwd=tmp_path, capture_output=True,
-        text=True, timeout=300, check=False,
+        text=True, timeout=500, check=False,
     )  # fmt: skip
     assert ended.returncode == 0, ended.stderr
     wanted = json.loads((fit / "result.json").read_text())["fields"]

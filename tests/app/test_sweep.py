@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 import os
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from thermo.app._sweep import finished, job_folder
+from thermo.app._sweep import WORDS, finished, job_folder
 
 
 @pytest.fixture
@@ -49,9 +48,12 @@ def test_no_folder_and_no_data_are_none(settings: dict[str, Any]) -> None:
 
 
 def test_a_folder_is_named_by_what_differs(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys, "argv", ["thermo", "data=x", "seed=0,1", "init=0.3,3"])
+    monkeypatch.setenv(WORDS, json.dumps(["data=x", "seed=0,1", "init=0.3,3"]))
     out = Path("sweep")
     assert job_folder(out, ["data=x", "seed=1", "init=0.3"], 2) == out / "seed-1_init-0.3"
     assert job_folder(out, ["runs=[a,b]", "seed=1"], 0) == out / "runs-_a_b_seed-1"
     assert job_folder(out, ["data=x"], 2) == out / "2"
     assert job_folder(out, ["note=" + "a" * 200], 7) == out / "7"
+    # On a machine that was not told the words of the command.
+    monkeypatch.delenv(WORDS)
+    assert job_folder(out, ["data=x", "seed=1"], 3) == out / "3"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 from collections.abc import Callable, Mapping
@@ -18,7 +19,7 @@ from omegaconf.errors import OmegaConfBaseException
 
 from thermo import errors
 from thermo.app import _verbs
-from thermo.app._sweep import finished, job_folder
+from thermo.app._sweep import WORDS, finished, job_folder
 
 VERBS: Mapping[str, Callable[[Mapping[str, Any]], None]] = {
     "ensemble": _verbs.ensemble,
@@ -119,6 +120,7 @@ def main() -> None:
     verb = words[0]
     words = _named_study(words) if verb == "study" else words
     sys.argv = [f"thermo {verb}", *words[1:]]
+    os.environ[WORDS] = json.dumps(words[1:])
     folder = str(configuration_folder())
     task = hydra.main(version_base="1.3", config_path=folder, config_name=verb)
     # Hydra then leaves its exceptions to us; its own report ends with another exit code.

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import os
 import re
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
+
+WORDS = "THERMO_WORDS"
+"""Environment variable: the words of the command line, as the processes of a launcher see them."""
 
 # Letters of a job's folder; file systems end at 255 bytes.
 LONGEST_LABEL = 100
@@ -16,9 +19,11 @@ LONGEST_LABEL = 100
 def job_folder(out: Path, overrides: Sequence[str], number: int) -> Path:
     """The folder of one job: only what differs between the jobs names it.
 
-    Arguments: `overrides`: the job's words; `number`: of the job, where they are too long.
+    Arguments: `overrides`: the job's words; `number`: of the job, where they are too long, or
+    where the job runs on a machine that was not told the words of the command.
     """
-    swept = [word for word in overrides if word not in sys.argv]
+    given = json.loads(os.environ.get(WORDS, "null"))
+    swept = [] if given is None else [word for word in overrides if word not in given]
     # Equals signs, commas and brackets in a folder's name would need quotes in the next command.
     label = re.sub(r"(?:[^\w.+-]|_)+", "_", "_".join(swept).replace("=", "-")).strip("_")
     return out / (label if 0 < len(label) <= LONGEST_LABEL else str(number))
