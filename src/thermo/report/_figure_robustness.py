@@ -54,7 +54,14 @@ def figure_robustness(path: Path, groups: Sequence[RepeatedFits]) -> None:
     panels = figure.subplots(2, 2)
     _strip(panels[0, 0], groups, "ratios", 0, "a  median / truth", logarithmic=False)
     panels[0, 0].axhline(1.0, color="0.3", lw=0.8, zorder=1)
-    _strip(panels[0, 1], groups, "widths", 1, "b  5-95 % width / truth", logarithmic=True)
+    _strip(
+        panels[0, 1],
+        groups,
+        "widths",
+        1,
+        f"b  5-95 % width / truth (at least {_LEAST:g})",
+        logarithmic=True,
+    )
     _parts(panels[1, 0], groups)
     _strip(
         panels[1, 1], groups, "final_errors", 2, "d  error at the last frame [K]", logarithmic=True
