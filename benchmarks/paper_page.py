@@ -60,6 +60,8 @@ def main() -> None:
     page = ROOT / "docs" / "paper.md"
     text = page.read_text("utf-8")
     for name in (*(f"paper_{table}" for table in LABELS), "paper_gap", "spatial"):
+        if not (RESULTS / f"{name}.csv").exists():
+            continue
         made = markdown(RESULTS / f"{name}.csv")
         mark = rf"(<!-- {name} -->\n).*?(\n<!-- end -->)"
         text, count = re.subn(mark, lambda hit, made=made: hit[1] + made + hit[2], text, flags=re.S)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,9 @@ import meshio
 import numpy as np
 import pytest
 from box_scene import FRAMES, sample_points
+
+from thermo.app import _verbs
+from thermo.study import Case
 
 from .conftest import SMALL, Command
 
@@ -166,3 +170,26 @@ def test_a_multirun_makes_a_folder_for_each_seed(
     found = json.loads((out / "ensemble.json").read_text())["fields"]["conductivity"]
     assert found["members"] == 2 and found["relative_deviation"] == 0.0
     assert found["median"] == result(fit)["fields"]["conductivity"]["median"]
+
+
+def test_a_study_asks_for_its_parts_and_names_its_tables(
+    command: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "scenes" / "cube").mkdir(parents=True)
+    (tmp_path / "scenes" / "cube" / "scene.json").write_text("{}")
+    asked: list[Case] = []
+
+    def made(cases: list[Case], folder: Path, on_case: Callable[[int], None]) -> tuple[list, str]:
+        asked.extend(cases)
+        on_case(len(cases))
+        return [], f"the tables of {folder.name}"
+
+    monkeypatch.setattr(_verbs, "study_cases", made)
+    words = ("rows=[cube-heating]", "parts=[smoothness]", "noise=[camera]", "size=quick")
+    out = tmp_path / "out"
+    got = command("study", "paper", f"data={tmp_path / 'scenes'}", *words, f"out={out}")
+    assert got.code == 0, got.err
+    assert {(case.part, case.noisy, case.row.name()) for case in asked} == {
+        ("smoothness", True, "cube-heating")
+    }
+    assert "the tables of out" in got.out and str(out / "tables.md") in got.out

@@ -108,7 +108,7 @@ def predict(settings: Configuration) -> None:
 
 
 def study(settings: Configuration) -> None:
-    """Study the paper's scenes, and leave a record a case, `recovery.csv` and `transfer.csv`."""
+    """Study the paper's scenes, and leave a record a case, tables and figures."""
     out = Path(settings["out"])
     cache = settings["mesh_cache"]
     cases = paper_cases(
@@ -124,7 +124,7 @@ def study(settings: Configuration) -> None:
     print(f"{len(cases)} fits, beginning with {cases[0].name()}", file=sys.stderr)
     with Progress("study", len(cases), sys.stderr) as progress:
         _, text = study_cases(cases, out, on_case=progress.update)
-    print(f"{text}\n\n{out / 'recovery.csv'}")
+    print(f"{text}\n\n{out / 'tables.md'}")
 
 
 def ensemble(settings: Configuration) -> None:
