@@ -63,7 +63,7 @@ def main() -> None:
         if not (RESULTS / f"{name}.csv").exists():
             continue
         made = markdown(RESULTS / f"{name}.csv")
-        mark = rf"(<!-- {name} -->\n).*?(\n<!-- end -->)"
+        mark = rf"(<!-- {name} -->\n).*?(\n?<!-- end -->)"
         text, count = re.subn(mark, lambda hit, made=made: hit[1] + made + hit[2], text, flags=re.S)
         if count != 1:
             sys.exit(f"{page}: no place for {name}")
