@@ -31,7 +31,8 @@ RUNS = ("lamp", "cooling")
 
 
 def test_slopes_are_differences_of_simulations(scene: Scene, meshing: Meshing) -> None:
-    stepping, initial = Stepping(tolerance=0.02), {"conductivity": VALUE}
+    # At the usual tolerance the solver's own error, over the width of the difference, is seen.
+    stepping, initial = Stepping(tolerance=0.02, rtol=1e-8), {"conductivity": VALUE}
     found = sensitivity(scene, runs=RUNS, initial=initial, meshing=meshing, stepping=stepping)
     picked = tuple(scene.runs[name] for name in RUNS)
     how = (Uniform(), Adam(), Prior(), stepping, meshing, "none", initial, 0, 0.0)
@@ -52,7 +53,7 @@ def test_slopes_are_differences_of_simulations(scene: Scene, meshing: Meshing) -
         place = objective.sequence.index(number)
         shape = objective.cases[0].data.shape
         mine = wanted[: np.prod(shape)].reshape(shape)[place] * noise
-        assert np.abs(slope - mine[:, : slope.shape[1]]).max() < 1e-4 * np.abs(slope).max()
+        assert np.abs(slope - mine[:, : slope.shape[1]]).max() < 1e-5 * np.abs(slope).max()
     assert found.names == ("conductivity",)
 
 
