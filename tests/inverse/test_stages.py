@@ -86,3 +86,21 @@ def test_one_value_comes_first_and_the_field_begins_with_it(task: Task, ready: R
     assert len(third.priors["conductivity"].pairs) > 0
     # Asked again at the same place, the data say the same, and nothing is left to do.
     assert make_stage(task, ready, 3, third) is None
+
+
+def test_what_the_mesh_makes_wrong_is_measured_once_and_kept(task: Task, ready: Ready) -> None:
+    uniform = make_stage(task, ready, 1, make_stage(task, ready, 0, None))
+    assert uniform is not None and not np.any(uniform.cases[0].defect)
+    first = make_stage(task, ready, 2, uniform)
+    assert first is not None
+    defect = np.asarray(first.cases[0].defect)
+    assert 1e-4 < np.abs(defect).max() < 1.0
+    # Elsewhere the data ask for another smoothness; the defect is that of the one value.
+    field = first.fields["conductivity"]
+    apart = field.parameters() + np.linspace(-0.5, 0.5, 4)
+    moved = replace(first, fields={"conductivity": field.with_parameters(apart)})
+    second = make_stage(task, ready, 3, moved)
+    assert second is not None and np.array_equal(second.cases[0].defect, defect)
+    without = replace(task, meshing=replace(task.meshing, corrected=False))
+    bare = make_stage(without, ready, 2, uniform)
+    assert bare is not None and not np.any(bare.cases[0].defect)

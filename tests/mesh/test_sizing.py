@@ -35,6 +35,14 @@ def test_a_poor_conductor_gets_a_fine_skin_and_a_coarse_inside(cube):
     assert finer.skin < sizing.skin
 
 
+@pytest.mark.parametrize("tolerance", [None, 4e-5])
+def test_a_divided_sizing_is_finer_all_over(tolerance):
+    whole = Sizing(4e-3, 8e-3, 5e-3, tolerance)
+    half = whole.divided(2.0)
+    assert (half.skin, half.core, half.depth) == (2e-3, 4e-3, 5e-3)
+    assert half.tolerance == (None if tolerance is None else tolerance / 2)
+
+
 def test_a_good_conductor_gets_a_few_cells_across(cube):
     sizing = sizing_from_physics(cube, diffusivity=1e-4, duration=60.0)
     assert sizing.core == pytest.approx(cube.diagonal() / 12)

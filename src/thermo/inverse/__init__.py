@@ -28,12 +28,13 @@ from thermo.inverse._invert import invert
 from thermo.inverse._least_squares import GaussNewtonKrylov, LevenbergMarquardt
 from thermo.inverse._objective import Objective, residual
 from thermo.inverse._optimiser import AbstractOptimiser
-from thermo.inverse._predict import predict, simulate
+from thermo.inverse._predict import PREDICTION_NODES, predict, simulate
 from thermo.inverse._sensitivity import Sensitivity, sensitivity
 from thermo.inverse._stepping import Stepping
 from thermo.inverse._task import Prior
 
 __all__ = [
+    "PREDICTION_NODES",
     "SCANNED_CONDUCTIVITIES",
     "AbstractFieldChoice",
     "AbstractOptimiser",

@@ -23,6 +23,7 @@ class Case(eqx.Module):
     - `grid`: steps and frames [s]; `readout`: where the samples are.
     - `data`: (frames, samples) [K]; `weight`: 1 / standard deviation, zero where there is no
       valid value, (frames, samples) [1/K].
+    - `defect`: what is added to the simulation for its cells and steps, (frames, samples) [K].
     - `between`: where frames lie between the steps, the weights of what the grid's own frames
       read, (frames, ends) [1]; None where the grid's frames are those of the data.
     """
@@ -32,6 +33,7 @@ class Case(eqx.Module):
     readout: ReadOut
     data: Float[Array, "*runs frames samples"]
     weight: Float[Array, "*runs frames samples"]
+    defect: Float[Array, "*runs frames samples"]
     between: Float[Array, "*runs frames ends"] | None = None
 
 
@@ -77,13 +79,14 @@ def make_case(
     deviation = float(np.hypot(noise.white * np.sqrt((1 + r) / (1 - r)), model_error))
     data = recording.temperature[frames] - _offset(run)
     weight = np.where(recording.valid[frames], 1 / deviation, 0.0)
+    read = (jnp.asarray(data), jnp.asarray(weight), jnp.zeros(data.shape))
     under = conditions(run, space)
     if steps is None:
-        return Case(under, grid, readout, jnp.asarray(data), jnp.asarray(weight))
+        return Case(under, grid, readout, *read)
     ends = np.asarray(steps.frame_time)
     wanted = np.asarray(grid.frame_time)
     between = jnp.asarray(between_steps(ends, np.eye(len(ends)), wanted, switches(run)))
-    return Case(under, steps, readout, jnp.asarray(data), jnp.asarray(weight), between)
+    return Case(under, steps, readout, *read, between)
 
 
 def _pad(array: np.ndarray | Array, length: int, axis: int, *, edge: bool) -> np.ndarray:
@@ -108,11 +111,14 @@ def _pad_case(case: Case, steps: int, ends: int, frames: int, samples: int) -> C
         _pad(case.readout.weights, samples, 0, edge=True),
     )
     data = _pad(_pad(case.data, frames, 0, edge=True), samples, 1, edge=True)
-    weight = _pad(_pad(case.weight, frames, 0, edge=False), samples, 1, edge=False)
+    weight, defect = (
+        jnp.asarray(_pad(_pad(values, frames, 0, edge=False), samples, 1, edge=False))
+        for values in (case.weight, case.defect)
+    )
     between = case.between
     if between is not None:
         between = jnp.asarray(_pad(_pad(between, frames, 0, edge=False), ends, 1, edge=False))
-    return Case(case.under, grid, readout, jnp.asarray(data), jnp.asarray(weight), between)
+    return Case(case.under, grid, readout, jnp.asarray(data), weight, defect, between)
 
 
 def group_cases(cases: Sequence[Case]) -> list[list[int]]:

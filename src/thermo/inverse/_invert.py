@@ -13,11 +13,12 @@ from thermo._compiled import make_room
 from thermo.errors import InputError
 from thermo.fields import AbstractField, TwoMaterialField
 from thermo.inverse._body import Meshing, duration
+from thermo.inverse._defect import defect_sizes
 from thermo.inverse._estimate import Estimate, RecoveredField, RunFit
 from thermo.inverse._field_choice import AbstractFieldChoice, OnControlPoints, TwoMaterials
 from thermo.inverse._least_squares import LevenbergMarquardt
 from thermo.inverse._minimise import OnStep, minimise
-from thermo.inverse._objective import with_fields
+from thermo.inverse._objective import Objective, with_fields
 from thermo.inverse._optimiser import AbstractOptimiser
 from thermo.inverse._properties import diffusivity_quantile
 from thermo.inverse._run_fit import run_fits
@@ -124,6 +125,7 @@ def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: flo
         remarks=(
             *_one_material(task, found),
             *(_chosen(smoothness) if data_choose(task, ready) else ()),
+            *_taken_off(task, fit.objective),
             *_unexplained(task, met),
         ),
     )
@@ -145,6 +147,14 @@ def _chosen(smoothness: dict[str, float]) -> list[str]:
         "from one control point to the next."
         for name, step in smoothness.items()
     ]
+
+
+def _taken_off(task: Task, objective: Objective) -> list[str]:
+    sizes = {task.runs[number].name: size for number, size in defect_sizes(objective).items()}
+    if not any(sizes.values()):
+        return []
+    words = ", ".join(f"{size:.2g} K in {name}" for name, size in sizes.items())
+    return [f"What the fit's cells and steps make wrong is allowed for: {words} (RMS)."]
 
 
 UNEXPLAINED = 2.0

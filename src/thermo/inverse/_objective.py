@@ -128,7 +128,7 @@ def case_temperatures(
     case: Case,
     adjoint: AbstractAdjoint | None = None,
 ) -> Float[Array, "frames samples"]:
-    """Simulated temperatures [K] of one run at its samples and frames."""
+    """Simulated temperatures [K] of one run at its samples and frames, its defect added."""
     space = objective.space
     values = {name: (field.cell_values(), field.face_values()) for name, field in fields.items()}
     body = properties(objective.stated, values, len(space.mesh.cells), len(space.mesh.faces))
@@ -143,7 +143,8 @@ def case_temperatures(
         solver=objective.solver,
         adjoint=adjoint,
     ).temperature
-    return temperature if case.between is None else case.between @ temperature
+    read = temperature if case.between is None else case.between @ temperature
+    return read + case.defect
 
 
 def data_residual(

@@ -9,6 +9,7 @@ import numpy as np
 
 from thermo.inverse._body import of_order
 from thermo.inverse._case import group_cases, make_case, stack_cases
+from thermo.inverse._defect import defects, with_defects
 from thermo.inverse._field_choice import AbstractStagedChoice, Uniform
 from thermo.inverse._least_squares import LevenbergMarquardt
 from thermo.inverse._objective import Objective
@@ -93,9 +94,17 @@ def make_stage(task: Task, ready: Ready, number: int, before: Objective | None) 
 def _asked_stage(
     task: Task, ready: Ready, order: int, before: Objective, *, first: bool
 ) -> Objective | None:
-    """The fields as smooth as the data ask for where they stand; None where that is as before."""
+    """The fields as smooth as the data ask for where they stand; None where that is as before.
+
+    A field would bend to what the cells and the steps make wrong: that is measured first, where
+    the fit of one value ended.
+    """
+    if first and task.meshing.corrected:
+        apart = defects(task, ready, before)
+    else:
+        apart = [case.defect for case in before.cases]
     ready = _from_one_value(task, ready, before) if first else _go_on(task, ready, before)
-    objective = make_objective(task, ready, order)
+    objective = with_defects(make_objective(task, ready, order), apart)
     here = objective
     if here.tangents is None:
         here = replace(here, tangents=_tangents(task, ready))

@@ -59,6 +59,11 @@ class Sizing:
         """How far the mesh may lie off `surface` [m]."""
         return TOLERANCE * surface.diagonal() if self.tolerance is None else float(self.tolerance)
 
+    def divided(self, by: float | int) -> Sizing:
+        """Edges [m] divided by a number [1], and a tolerance that is stated; the depth stays."""
+        tolerance = None if self.tolerance is None else self.tolerance / by
+        return Sizing(self.skin / by, self.core / by, self.depth, tolerance)
+
 
 def heat_depth(diffusivity: float | int, duration: float | int) -> float:
     """Depth sqrt(diffusivity duration) [m] that heat reaches in `duration` [s].

@@ -24,7 +24,7 @@ class RepeatedFits:
     """Fits of one field from several starts.
 
     - `label`: of the group; `starts` (fits,): factors on first values [1].
-    - `ratios`, `widths` (fits,): median and 5-95 % width over the truth [1].
+    - `ratios` (fits,): median over the truth; `widths` (fits,): 5-95 % over the median [1].
     - `within`, `across`: standard deviations of log(median) from seeds and from starts [1]; NaN
       where they cannot be told apart.
     - `final_errors` (fits,): mean absolute residual at the last frame [K].
@@ -59,7 +59,7 @@ def figure_robustness(path: Path, groups: Sequence[RepeatedFits]) -> None:
         groups,
         "widths",
         1,
-        f"b  5-95 % width / truth (at least {_LEAST:g})",
+        f"b  5-95 % width / median (at least {_LEAST:g})",
         logarithmic=True,
     )
     _parts(panels[1, 0], groups)

@@ -13,6 +13,7 @@ import numpy as np
 
 from thermo.identify import expected_errors
 from thermo.inverse import (
+    PREDICTION_NODES,
     SCANNED_CONDUCTIVITIES,
     Estimate,
     FieldScores,
@@ -32,9 +33,6 @@ from thermo.study._paper import HELD_OUT
 
 WANTED = 0.05
 """Relative error [1] that a run is asked to stay within before it is called informed."""
-
-PREDICTION_NODES = 40000
-"""About the most nodes [1] of a mesh that predicts, for every preset."""
 
 
 def study_case(case: Case, folder: Path) -> dict[str, Any]:
@@ -151,7 +149,8 @@ def _guessed(case: Case) -> dict[str, Any]:
 
     ratio = guess / truth(scene, row.quantity)
     scores = FieldScores(abs(ratio - 1), abs(ratio - 1), ratio, 0.0, 0.0)
-    found = {"rmse": float(np.mean([simulated(run)["rmse"] for run in row.runs()]))}
+    squares = [simulated(run)["rmse"] ** 2 for run in row.runs()]
+    found: dict[str, Any] = {"rmse": float(np.sqrt(np.mean(squares)))}
     if case.held_out:
         both = {name: simulated(run) for name, run in there.items()}
         found |= {"held_out": {n: {"spatial": one, "median": one} for n, one in both.items()}}

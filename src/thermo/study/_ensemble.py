@@ -23,12 +23,12 @@ REPEATED = ("init", "seed", "out")
 class Member:
     """One of the repeated fits.
 
-    - `folder`; `start`, `seed`: that it began with [1].
+    - `name`: of its folder or row; `start`, `seed`: that it began with [1].
     - `median`: by field, over the surface [SI]; `width`: (p95 - p05) / median [1].
     - `final_error`: mean absolute residual at the last frame, over runs [K]; `success`.
     """
 
-    folder: str
+    name: str
     start: float
     seed: int
     median: dict[str, float]
@@ -147,7 +147,7 @@ def ensemble_record(members: Sequence[Member], found: Mapping[str, Ensemble]) ->
         "verb": "ensemble",
         "fields": fields,
         "members": [
-            {"folder": m.folder, "init": m.start, "seed": m.seed, "median": m.median,
+            {"folder": m.name, "init": m.start, "seed": m.seed, "median": m.median,
              "final_mae": m.final_error, "success": m.success}
             for m in members
         ],

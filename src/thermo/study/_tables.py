@@ -87,7 +87,7 @@ def _process(record: Record) -> int:
 
 
 def smoothness(records: Sequence[Record]) -> Lines:
-    """Width against the weight of the prior, 1/step^2 [1], and the choice of the data."""
+    """Width against the weight of the prior, 1/step^2 [1]."""
     lines = []
     for record in _of(records, "smoothness"):
         ours = [record[name] for name in ("error", "ratio", "width", "rmse")]

@@ -1,0 +1,89 @@
+"""What cells and steps make wrong: measured without data, and worth taking off."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import equinox as eqx
+import numpy as np
+import pytest
+
+from thermo.inverse import LevenbergMarquardt, Meshing, OnControlPoints, Prior, Stepping
+from thermo.inverse._defect import defect_sizes, defects, with_defects
+from thermo.inverse._objective import Objective, residual, run_parts, start
+from thermo.inverse._stages import make_stage
+from thermo.inverse._task import Ready, Task, prepare
+from thermo.observe import Run, Scene
+
+TRUTH = {"conductivity": 0.8}
+FEWER = 6
+
+
+def shortened(run: Run) -> Run:
+    """A run without its last frames."""
+    record = run.recording
+    kept = replace(
+        record,
+        time=record.time[:-FEWER],
+        temperature=record.temperature[:-FEWER],
+        valid=record.valid[:-FEWER],
+    )
+    return replace(run, recording=kept)
+
+
+@pytest.fixture(scope="module")
+def task(scene: Scene, meshing: Meshing) -> Task:
+    """Two runs of one kind and of different lengths, on linear cells and long steps."""
+    runs = (scene.runs["lamp"], shortened(scene.runs["test_lamp"]))
+    how = (OnControlPoints(count=4), LevenbergMarquardt(), Prior(), Stepping(tolerance=0.5))
+    return Task(scene, runs, ("conductivity",), *how, meshing, "none", TRUTH, 0, 0.01)
+
+
+@pytest.fixture(scope="module")
+def ready(task: Task) -> Ready:
+    return prepare(task)
+
+
+@pytest.fixture(scope="module")
+def plain(task: Task, ready: Ready) -> Objective:
+    objective = make_stage(task, ready, 0, None)
+    assert objective is not None
+    return objective
+
+
+def errors(objective: Objective) -> list[np.ndarray]:
+    """Simulated less recorded temperatures of each run [K]."""
+    value = np.asarray(eqx.filter_jit(residual)(objective, start(objective)))
+    parts = [
+        value[part][weight.ravel() > 0] / weight.max() for _, part, weight in run_parts(objective)
+    ]
+    assert all(len(part) for part in parts)
+    return parts
+
+
+def test_the_defect_takes_off_most_of_what_cells_and_steps_make_wrong(
+    task: Task, ready: Ready, plain: Objective
+) -> None:
+    (apart,) = defects(task, ready, plain)
+    assert apart.shape == plain.cases[0].data.shape
+    padding = apart[plain.sequence.index(1), -FEWER:]
+    assert not np.any(padding), "frames that a shorter run lacks need nothing"
+    corrected = with_defects(plain, [apart])
+    better = errors(corrected)
+    for before, after in zip(errors(plain), better, strict=True):
+        # Another program made the recordings. Linear cells of half the length leave a quarter.
+        assert np.std(after) < 0.5 * np.std(before)
+    second = plain.sequence.index(1)
+    shown = np.asarray(apart)[second][np.asarray(plain.cases[0].weight)[second] > 0]
+    assert defect_sizes(corrected)[1] == pytest.approx(np.sqrt(np.mean(shown**2)))
+    assert set(defect_sizes(plain).values()) == {0.0}
+
+
+def test_recordings_do_not_enter(task: Task, ready: Ready, plain: Objective) -> None:
+    def warmer(run: Run) -> Run:
+        record = run.recording
+        return replace(run, recording=replace(record, temperature=record.temperature + 5.0))
+
+    other = replace(task, runs=tuple(warmer(run) for run in task.runs))
+    for mine, theirs in zip(defects(task, ready, plain), defects(other, ready, plain), strict=True):
+        assert np.array_equal(mine, theirs)
