@@ -226,6 +226,13 @@ def test_help_and_version_are_no_errors(words: list[str], command: Command) -> N
     assert ("thermo invert" in outcome.out) == (words != ["--version"])
 
 
+@pytest.mark.parametrize(("verb", "key"), [("study", "presets"), ("ensemble", "folder")])
+def test_help_lists_only_what_a_verb_takes(verb: str, key: str, command: Command) -> None:
+    outcome = command(verb, "--help")
+    assert outcome.code == 0 and f"{key}:" in outcome.out
+    assert "integrator" not in outcome.out and "integrator" in command("invert", "--help").out
+
+
 @pytest.mark.parametrize(
     ("words", "parts"),
     [

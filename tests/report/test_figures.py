@@ -168,6 +168,17 @@ def test_history(tmp_path: Path, losses: list[float]) -> None:
     assert hue_pixels(pixels) > 50
 
 
+def test_the_stages_of_a_history_are_parted_and_numbered(tmp_path: Path) -> None:
+    losses = [9.0, 4.0, 3.0, 2.0]
+    for name, starts in (("one", (0,)), ("two", (0, 2)), ("three", (0, 1, 2))):
+        figure_history(tmp_path / name / "a.png", losses, starts)
+    grey = (0.4, 0.4, 0.4)
+    one, two, three = (
+        holds(picture(tmp_path / name / "a.png"), grey) for name in ("one", "two", "three")
+    )
+    assert one < two < three
+
+
 def repeated(label: str, **more: object) -> RepeatedFits:
     starts = np.repeat([0.1, 10.0], 2)
     numbers = {"ratios": np.full(4, 1.0), "widths": np.zeros(4), "final_errors": np.full(4, 0.01)}

@@ -81,6 +81,8 @@ def test_what_cannot_vary_is_only_in_the_tables(folder: Path) -> None:
         ({"rows": ["cube-warming"]}, "rows"),
         ({"presets": ["bestest"]}, "presets"),
         ({"presets": []}, "presets"),
+        ({"rows": []}, "rows"),
+        ({"parts": []}, "parts"),
         ({"noises": ["loud"]}, "noise"),
         ({"parts": ["figures"]}, "parts"),
         ({"rows": ["bear-cooling"]}, "data"),

@@ -41,8 +41,11 @@ def figure_history(
             best = np.fmin.accumulate(shown[start:end])
             label = "best so far" if start == starts[0] else None
             axes.plot(steps[start:end], best, color="#b2182b", lw=1.0, ls="--", label=label)
-        for start in starts[1:]:
+        for number, start in enumerate(starts if len(starts) > 1 else (), 1):
             axes.axvline(start - 0.5, color="0.6", lw=0.8, ls=":")
+            place = (start - 0.4, 0.98)
+            axes.text(*place, f"stage {number}", fontsize=7, color="0.4", va="top", rotation=90,
+                      transform=axes.get_xaxis_transform())  # fmt: skip
         if (loss[finite] > 0).all():
             axes.set_yscale("log")
             round_ticks(axes.yaxis)

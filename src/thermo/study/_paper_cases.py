@@ -56,15 +56,15 @@ def paper_cases(
     Fields that cannot vary are left out of all parts but the tables. Raises `InputError` for names
     that there are not, where nothing is left to do, and where a scene is missing.
     """
-    picked = parts or (PARTS if size == "full" else PARTS[:1])
+    picked = (PARTS if size == "full" else PARTS[:1]) if parts is None else parts
     for what, given, known in (
         ("parts", picked, PARTS),
-        ("rows", rows or (), tuple(ROWS)),
+        ("rows", tuple(ROWS) if rows is None else rows, tuple(ROWS)),
         ("presets", presets, tuple(PRESETS)),
         ("noise", noises, NOISES),
     ):
         wrong = [name for name in given if name not in known]
-        if wrong or (not given and what != "rows"):
+        if wrong or not given:
             raise _refusal(what, ", ".join(wrong) or "none", known)
     nodes = {"max_nodes": QUICK_NODES} if size == "quick" else {}
     made = {
