@@ -33,11 +33,13 @@ class Sensitivity:
     - `names`: quantity of each column, (unknowns,).
     - `slopes`: by run, dT / d log(phi), (frames, samples, unknowns) [K]; zero without a reading.
     - `noise`: by run, standard deviation of a reading, wider where frames are correlated [K].
+    - `accuracy`: tolerance of the solver that the slopes come from, relative [1].
     """
 
     names: tuple[str, ...]
     slopes: dict[str, Float[np.ndarray, "frames samples unknowns"]]
     noise: dict[str, float]
+    accuracy: float = 0.0
 
 
 def sensitivity(
@@ -93,4 +95,4 @@ def _in_kelvin(objective: Objective, matrix: np.ndarray, task: Task) -> Sensitiv
         slopes[run.name] = here[:, : len(run.recording.points)] * noise[run.name]
     sizes = [(name, field.control_values().size) for name, field in objective.fields.items()]
     columns = tuple(name for name, size in sizes for _ in range(size))
-    return Sensitivity(columns, slopes, noise)
+    return Sensitivity(columns, slopes, noise, task.stepping.rtol)
