@@ -1,15 +1,18 @@
 """What the data can tell of the unknowns, and what they cannot."""
 
+from thermo.identify._collinearity import Alike, alike
 from thermo.identify._combination import Combination
 from thermo.identify._expected_error import ExpectedError, expected_errors
 from thermo.identify._spectrum import Spectrum, spectrum
 from thermo.identify._variance_split import VarianceSplit, split_variance
 
 __all__ = [
+    "Alike",
     "Combination",
     "ExpectedError",
     "Spectrum",
     "VarianceSplit",
+    "alike",
     "expected_errors",
     "spectrum",
     "split_variance",

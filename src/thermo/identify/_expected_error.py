@@ -8,7 +8,7 @@ from typing import Final, final
 import numpy as np
 from jaxtyping import Float
 
-from thermo.errors import InputError
+from thermo.identify._information import check_model_error
 from thermo.inverse import Sensitivity
 
 # Eigenvalues of the scaled information below this share of the largest are of directions that no
@@ -55,11 +55,7 @@ def expected_errors(at: Sensitivity, *, model_error: float = 0.01) -> list[Expec
     Source: White, Econometrica 48 (1980) 817, the covariance of a fit whose weights are not those
     of its errors.
     """
-    if not (np.isfinite(model_error) and model_error >= 0):
-        raise InputError(
-            "an error of the simulation cannot be this", where="model_error", value=model_error,
-            limit="a finite number, 0 or more [K]", remedy="leave it at 0.01 K",
-        )  # fmt: skip
+    check_model_error(model_error)
     count = len(at.names)
     information, spread, square = (
         np.zeros((count, count)),

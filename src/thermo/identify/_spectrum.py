@@ -12,6 +12,7 @@ from jaxtyping import Float
 from thermo.errors import InputError
 from thermo.fields import QUANTITIES
 from thermo.identify._combination import Combination, combinations
+from thermo.identify._information import information, numbered
 from thermo.inverse import Sensitivity
 
 _ROUNDING: Final = 1e-12
@@ -81,13 +82,9 @@ def spectrum(
 ) -> Spectrum:
     """Eigenvalues and directions of Q^1/2 J' C^-1 J Q^1/2, with Q the prior covariance of log(phi).
 
-    C is the covariance of the readings: `noise`^2 for each by itself, and `model_error`^2 for an
-    error that stays the same over all frames of a sample, so that
-
-        J'C^-1 J = 1/noise^2 sum over samples (sum_t J_t'J_t - m s's),   s = sum_t J_t,
-
-    with m = model^2 / (noise^2 + frames model^2). What is found is the most that any fit can know;
-    `expected_errors` is what a fit knows that weighs its readings alike.
+    with C of independent noise and an error of the simulation that stays the same over all frames
+    of a sample. What is found is the most that any fit can know; `expected_errors` is what a fit
+    knows that weighs its readings alike.
 
     Arguments:
 
@@ -102,24 +99,12 @@ def spectrum(
     Martin and Stadler, SIAM J. Sci. Comput. 35 (2013) A2494, section 4.
     """
     deviation = _prior(at.names, {} if prior is None else prior)
-    if not (np.isfinite(model_error) and model_error >= 0):
-        raise InputError(
-            "an error of the simulation cannot be this", where="model_error", value=model_error,
-            limit="a finite number, 0 or more [K]", remedy="leave it at 0.01 K",
-        )  # fmt: skip
-    information = np.zeros((len(at.names), len(at.names)))
-    for run, slopes in at.slopes.items():
-        noise = at.noise[run]
-        scaled = slopes * deviation
-        each = np.einsum("tsi,tsj->ij", scaled, scaled)
-        over_time = scaled.sum(0)
-        share = model_error**2 / (noise**2 + len(slopes) * model_error**2)
-        information += (each - share * over_time.T @ over_time) / noise**2
-    size, way = np.linalg.eigh(information)
+    scaled = np.outer(deviation, deviation) * information(at, model_error)
+    size, way = np.linalg.eigh(scaled)
     size, way = np.maximum(size[::-1], 0.0), way[:, ::-1]
     accuracy = len(size) * (_ROUNDING + (_SLOPE_ERROR * at.accuracy) ** 2)
     return Spectrum(
-        names=_numbered(at.names),
+        names=numbered(at.names),
         prior=deviation,
         eigenvalues=size,
         directions=deviation[:, None] * way,
@@ -142,11 +127,3 @@ def _prior(names: tuple[str, ...], stated: Mapping[str, float]) -> Float[np.ndar
         return float(np.log(quantity.upper / quantity.lower) / np.sqrt(12))
 
     return np.array([stated.get(name) or even(name) for name in names])
-
-
-def _numbered(names: tuple[str, ...]) -> tuple[str, ...]:
-    """Names of which those that occur more than once are numbered from 0."""
-    return tuple(
-        name if names.count(name) == 1 else f"{name}[{names[:place].count(name)}]"
-        for place, name in enumerate(names)
-    )

@@ -1,0 +1,51 @@
+"""What readings say of the unknowns together: the Fisher information."""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Float
+
+from thermo.errors import InputError
+from thermo.inverse import Sensitivity
+
+
+def check_model_error(model_error: float) -> None:
+    """Refuse errors of a simulation [K] that cannot be. Raises `InputError`."""
+    if not (np.isfinite(model_error) and model_error >= 0):
+        raise InputError(
+            "an error of the simulation cannot be this", where="model_error", value=model_error,
+            limit="a finite number, 0 or more [K]", remedy="leave it at 0.01 K",
+        )  # fmt: skip
+
+
+def information(at: Sensitivity, model_error: float) -> Float[np.ndarray, "unknowns unknowns"]:
+    """J' C^-1 J of all runs, for unknowns log(phi) [1].
+
+    C is the covariance of the readings: `noise`^2 for each by itself, and `model_error`^2 for an
+    error that stays the same over all frames of a sample, so that
+
+        J'C^-1 J = 1/noise^2 sum over samples (sum_t J_t'J_t - m s's),   s = sum_t J_t,
+
+    with m = model^2 / (noise^2 + frames model^2).
+
+    Arguments: `at`: slopes of the temperatures [K]; `model_error` [K].
+
+    Raises `InputError` where `model_error` cannot be.
+    """
+    check_model_error(model_error)
+    total = np.zeros((len(at.names), len(at.names)))
+    for run, slopes in at.slopes.items():
+        noise = at.noise[run]
+        each = np.einsum("tsi,tsj->ij", slopes, slopes)
+        over_time = slopes.sum(0)
+        share = model_error**2 / (noise**2 + len(slopes) * model_error**2)
+        total += (each - share * over_time.T @ over_time) / noise**2
+    return total
+
+
+def numbered(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Names of which those that occur more than once are numbered from 0."""
+    return tuple(
+        name if names.count(name) == 1 else f"{name}[{names[:place].count(name)}]"
+        for place, name in enumerate(names)
+    )
