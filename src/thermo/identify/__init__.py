@@ -3,6 +3,8 @@
 from thermo.identify._collinearity import Alike, alike
 from thermo.identify._combination import Combination
 from thermo.identify._expected_error import ExpectedError, expected_errors
+from thermo.identify._path import Model
+from thermo.identify._profile import Profile, profile
 from thermo.identify._spectrum import Spectrum, spectrum
 from thermo.identify._variance_split import VarianceSplit, split_variance
 
@@ -10,10 +12,13 @@ __all__ = [
     "Alike",
     "Combination",
     "ExpectedError",
+    "Model",
+    "Profile",
     "Spectrum",
     "VarianceSplit",
     "alike",
     "expected_errors",
+    "profile",
     "spectrum",
     "split_variance",
 ]

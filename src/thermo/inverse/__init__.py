@@ -26,6 +26,7 @@ from thermo.inverse._first_order import Adam, LimitedMemoryBfgs
 from thermo.inverse._forward import Prediction, Scores, score
 from thermo.inverse._invert import invert
 from thermo.inverse._least_squares import GaussNewtonKrylov, LevenbergMarquardt
+from thermo.inverse._log_model import LogModel, log_model
 from thermo.inverse._objective import Objective, residual
 from thermo.inverse._optimiser import AbstractOptimiser
 from thermo.inverse._predict import PREDICTION_NODES, predict, simulate
@@ -46,6 +47,7 @@ __all__ = [
     "GaussNewtonKrylov",
     "LevenbergMarquardt",
     "LimitedMemoryBfgs",
+    "LogModel",
     "Meshing",
     "Network",
     "Objective",
@@ -64,6 +66,7 @@ __all__ = [
     "invert",
     "load_checkpoint",
     "load_estimate",
+    "log_model",
     "predict",
     "residual",
     "save_checkpoint",

@@ -1,0 +1,182 @@
+"""One side of a profile: points at which the others have settled, laid for equal rises."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+from jaxtyping import Float
+
+Model = Callable[
+    [Float[np.ndarray, " unknowns"]],
+    tuple[Float[np.ndarray, " values"], Float[np.ndarray, "values unknowns"]],
+]
+"""Whitened residual and its Jacobian at unknowns [1]."""
+
+LEVEL: Final = 3.841458820694124
+"""The 95 % point of chi squared with one degree of freedom [1]."""
+
+POINTS_A_SIDE: Final = 6
+"""Rises of chi squared between the optimum and the end [1]."""
+
+MOST_POINTS: Final = 60
+"""Points of a side [1] after which it is given up as not reached."""
+
+LONGEST: Final = 1.0
+"""Longest step along the path [1], about a factor e."""
+
+SETTLED: Final = 1e-3
+"""What a step promises to take off chi squared [1] when the others have settled."""
+
+UNSETTLED: Final = 0.05
+"""Promise [1] above which the others are not at their optimum."""
+
+FALL: Final = 0.1
+"""Fall of chi squared along a path [1] from which it has more than one valley."""
+
+# Singular values of unit columns below this share of the largest are of directions that slopes
+# of a usual accuracy do not show [1].
+_UNSEEN: Final = 1e-6
+_ITERATIONS: Final = 25
+_HALVINGS: Final = 8
+
+
+@final
+@dataclass(frozen=True)
+class Point:
+    """Unknowns [1] with the residual [1] and its Jacobian [1] there.
+
+    - `remainder`: what another step of those that are free promises to take off chi squared [1].
+    """
+
+    unknowns: Float[np.ndarray, " unknowns"]
+    residual: Float[np.ndarray, " values"]
+    jacobian: Float[np.ndarray, "values unknowns"]
+    remainder: float
+
+    @property
+    def chi2(self) -> float:
+        """Sum of squares of the residual [1]."""
+        return float(self.residual @ self.residual)
+
+    def settled(self) -> bool:
+        """Whether those that are free are at their optimum."""
+        return self.remainder < UNSETTLED
+
+    def others(self, number: int) -> Float[np.ndarray, " unknowns"]:
+        """How the others follow when the unknown `number` moves by one [1]."""
+        free = np.arange(len(self.unknowns)) != number
+        way = np.zeros(len(self.unknowns))
+        way[number] = 1.0
+        way[free] = -_least(self.jacobian[:, free], self.jacobian[:, number])
+        return way
+
+    def stiffness(self, number: int) -> float:
+        """Half the curvature of chi squared along the path [1]."""
+        along = self.jacobian @ self.others(number)
+        return float(along @ along)
+
+
+@final
+@dataclass(frozen=True)
+class Path:
+    """Points [1] from the optimum outward, and where the level is passed, None where it is not."""
+
+    points: list[Point]
+    end: float | None
+    least: float
+
+    def falls(self) -> bool:
+        """Whether chi squared falls again on the way."""
+        heights = np.array([self.least, *(point.chi2 for point in self.points)])
+        return bool(np.any(np.maximum.accumulate(heights) - heights > FALL))
+
+
+def _least(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """The least-squares solution that leaves directions alone that the columns hardly show."""
+    length = np.linalg.norm(matrix, axis=0)
+    length = np.where(length > 0, length, 1.0)
+    return np.linalg.lstsq(matrix / length, right, rcond=_UNSEEN)[0] / length
+
+
+def settle(
+    model: Model,
+    unknowns: Float[np.ndarray, " unknowns"],
+    bounds: Float[np.ndarray, "unknowns 2"],
+    held: int | None = None,
+) -> Point:
+    """Where Gauss-Newton steps, halved until they help, take the unknowns that are not held [1]."""
+    free = np.arange(len(unknowns)) != held
+    unknowns = np.clip(unknowns, *bounds.T)
+    residual, jacobian = model(unknowns)
+    remainder = np.inf
+    for _ in range(_ITERATIONS):
+        step = np.zeros(len(unknowns))
+        step[free] = -_least(jacobian[:, free], residual)
+        # A step of more than a factor e leaves what the slopes know.
+        step *= min(1.0, LONGEST / max(float(np.abs(step).max()), LONGEST))
+        step = np.clip(unknowns + step, *bounds.T) - unknowns
+        height, promised = float(residual @ residual), residual + jacobian @ step
+        remainder = max(height - float(promised @ promised), 0.0)
+        if remainder < SETTLED:
+            break
+        for _ in range(_HALVINGS):
+            there = model(unknowns + step)
+            if float(there[0] @ there[0]) < height:
+                break
+            step = step / 2
+        else:
+            break
+        unknowns = unknowns + step
+        residual, jacobian = there
+    return Point(unknowns, residual, jacobian, remainder)
+
+
+def _length(point: Point, number: int, way: int, rise: float) -> float:
+    """How far to go [1] for a rise of chi squared [1], as slope and curvature have it."""
+    along = point.jacobian @ point.others(number)
+    slope, stiff = way * float(along @ point.residual), float(along @ along)
+    if stiff == 0.0:
+        return LONGEST
+    root = np.sqrt(max(slope, 0.0) ** 2 + stiff * rise)
+    return float(min((root - max(slope, 0.0)) / stiff, LONGEST))
+
+
+def follow(
+    model: Model,
+    at: Point,
+    number: int,
+    way: int,
+    bounds: Float[np.ndarray, "unknowns 2"],
+    level: float,
+    on_point: Callable[[int], object],
+) -> Path:
+    """Points on one side of an optimum, until chi squared has risen by `level` [1] or a bound.
+
+    `number` is the unknown that is led, `way` is 1 up and -1 down.
+    """
+    points: list[Point] = []
+    before, bound = at, bounds[number, 0 if way < 0 else 1]
+    while len(points) < MOST_POINTS:
+        room = way * (bound - before.unknowns[number])
+        if room <= 0:
+            return Path(points, None, at.chi2)
+        length = min(_length(before, number, way, level / POINTS_A_SIDE), room)
+        guess = before.unknowns + way * length * before.others(number)
+        here = settle(model, guess, bounds, number)
+        points.append(here)
+        on_point(len(points))
+        if here.chi2 - at.chi2 >= level:
+            return Path(points, _passed(at, before, here, number, level), at.chi2)
+        before = here
+    return Path(points, None, at.chi2)
+
+
+def _passed(at: Point, before: Point, here: Point, number: int, level: float) -> float:
+    """Where the rise is `level`: its root is all but straight between two points [1]."""
+    low, high = (np.sqrt(max(point.chi2 - at.chi2, 0.0)) for point in (before, here))
+    share = (np.sqrt(level) - low) / (high - low)
+    near, far = before.unknowns[number], here.unknowns[number]
+    return float(near + share * (far - near))

@@ -1,0 +1,103 @@
+"""A scene as a function: logarithms of a few values in, whitened residual and Jacobian out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.flatten_util import ravel_pytree
+from jaxtyping import Float
+
+from thermo._compiled import make_room
+from thermo.errors import InputError
+from thermo.fields import QUANTITIES
+from thermo.inverse._body import Meshing
+from thermo.inverse._field_choice import Uniform
+from thermo.inverse._first_order import Adam
+from thermo.inverse._objective import Objective, jacobian, with_fields
+from thermo.inverse._stages import make_objective
+from thermo.inverse._stepping import Stepping
+from thermo.inverse._task import Prior, Task, prepare, what_is_asked
+from thermo.mesh import Mesh
+from thermo.observe import Scene
+
+
+@final
+@dataclass(frozen=True)
+class LogModel:
+    """Residuals of all runs and priors as a function of log(phi), one value for the body each.
+
+    - `names`: quantities, (unknowns,); `first`: log(phi) where the scene or `initial` put them [1].
+    - `bounds`: of log(phi), (unknowns, 2) [1].
+    - `objective`: of the fit, its fields those of `first`; `mesh`: they live on.
+    """
+
+    names: tuple[str, ...]
+    first: Float[np.ndarray, " unknowns"]
+    bounds: Float[np.ndarray, "unknowns 2"]
+    objective: Objective
+    mesh: Mesh
+
+    def __call__(
+        self, logs: Float[np.ndarray, " unknowns"]
+    ) -> tuple[Float[np.ndarray, " values"], Float[np.ndarray, "values unknowns"]]:
+        """Whitened residual, half whose square a fit makes small, and its slopes by log(phi) [1].
+
+        Raises `InputError` where a value is not within the bounds of its quantity.
+        """
+        parameters = {}
+        for name, log, (low, high) in zip(self.names, logs, self.bounds, strict=True):
+            if not low <= log <= high:
+                quantity = QUANTITIES[name]
+                raise InputError(
+                    "a value is not within its bounds", where=name, value=float(np.exp(log)),
+                    limit=f"{quantity.lower:g} to {quantity.upper:g} {quantity.unit}",
+                    remedy="keep the logarithms within `bounds`",
+                )  # fmt: skip
+            field, _ = Uniform().make(QUANTITIES[name], self.mesh, float(np.exp(log)), 0)
+            parameters[name] = field.parameters()
+        residual, matrix = eqx.filter_jit(jacobian)(self.objective, parameters)
+        flat, unravel = ravel_pytree(parameters)
+
+        def logarithms(point: jax.Array) -> jax.Array:
+            fields = with_fields(self.objective, unravel(point)).values()
+            return jnp.concatenate([jnp.log(field.control_values()) for field in fields])
+
+        change = np.asarray(jax.jacfwd(logarithms)(flat))
+        return np.asarray(residual), np.asarray(matrix) @ np.linalg.inv(change)
+
+
+def log_model(
+    data: Scene | str | Path,
+    *,
+    runs: tuple[str, ...] | None = None,
+    unknown: tuple[str, ...] | None = None,
+    prior: Prior | None = None,
+    stepping: Stepping | None = None,
+    meshing: Meshing | None = None,
+    initial: dict[str, float] | None = None,
+    model_error: float = 0.01,
+) -> LogModel:
+    """What `invert` makes small with one value for each unknown, as a function of its logarithms.
+
+    Arguments as for `invert`; mesh and steps are made for the first values and stay. For
+    `thermo.identify.profile` and for samplers: nothing is fitted here.
+
+    Raises `InputError` as `invert` does.
+    """
+    make_room()
+    scene, picked, names, initial = what_is_asked(data, runs, unknown, initial)
+    # No optimiser steps here; any that takes no tangents of its own will do.
+    how = (Uniform(), Adam(), prior or Prior())
+    cut = (stepping or Stepping(), meshing or Meshing())
+    task = Task(scene, picked, names, *how, *cut, "none", initial, 0, model_error)
+    ready = prepare(task)
+    objective = make_objective(task, ready, task.meshing.order)
+    values = [float(objective.fields[name].control_values()[0]) for name in names]
+    limits = [(QUANTITIES[name].lower, QUANTITIES[name].upper) for name in names]
+    return LogModel(names, np.log(values), np.log(limits), objective, ready.mesh)
