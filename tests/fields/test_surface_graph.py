@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
+from thermo.errors import InputError
 from thermo.fields import place_control_points, surface_vertices
 from thermo.mesh import Mesh, ball_mesh, box_mesh, promote
 
@@ -24,6 +26,12 @@ def test_surface_vertices_are_corners_only() -> None:
     np.testing.assert_allclose(np.linalg.norm(mesh.nodes[nodes], axis=1), 0.05)
     np.testing.assert_array_equal(nodes[faces], mesh.faces[:, :3])
     assert len(nodes) - len(faces) * 3 // 2 + len(faces) == 2  # Euler
+
+
+@pytest.mark.parametrize("count", [0, -3])
+def test_no_control_points_are_refused(count: int) -> None:
+    with pytest.raises(InputError, match="needs control points"):
+        place_control_points(ball_mesh(0.05, 2), count)
 
 
 def test_control_points_are_spread_and_connected() -> None:

@@ -21,6 +21,7 @@ from thermo.inverse import (
     Uniform,
     sensitivity,
 )
+from thermo.inverse import _sensitivity as module
 from thermo.inverse._objective import residual, start
 from thermo.inverse._stages import make_objective
 from thermo.inverse._task import Task, prepare
@@ -66,7 +67,10 @@ def test_patches_share_the_slope_of_the_whole(block: Path, meshing: Meshing) -> 
     assert np.abs(total - whole).max() < 1e-3 * np.abs(whole).max()
 
 
-def test_a_network_is_refused(block: Path, meshing: Meshing) -> None:
+def test_a_network_is_refused_before_any_work(
+    block: Path, meshing: Meshing, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "jacobian", None)
     with pytest.raises(InputError, match="other unknowns than the values"):
         sensitivity(block, runs=("cooling",), initial={"conductivity": VALUE}, meshing=meshing,
                     choice=Network(count=3, width=4, depth=1))  # fmt: skip

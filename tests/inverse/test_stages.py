@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from thermo.inverse import (
     TwoMaterials,
     Uniform,
 )
+from thermo.inverse._objective import Objective
 from thermo.inverse._stages import ASKED, data_choose, make_stage, stage_orders
 from thermo.inverse._task import Ready, Task, prepare
 from thermo.observe import Scene, read_scene
@@ -47,9 +49,10 @@ def ready(task: Task) -> Ready:
 @pytest.mark.parametrize(
     ("change", "asked", "orders"),
     [
-        ({}, True, (1, 2, *(2,) * ASKED)),
-        ({"stages": "none"}, True, (2, *(2,) * ASKED)),
-        ({"choice": Patchwise(patches=3)}, True, (1, 2, *(2,) * ASKED)),
+        ({}, True, (1, 2, 2, *(2,) * ASKED)),
+        ({"stages": "none"}, True, (2, 2, *(2,) * ASKED)),
+        ({"choice": Patchwise(patches=3)}, True, (1, 2, 2, *(2,) * ASKED)),
+        ({"meshing": Meshing(order=1, corrected=False)}, True, (1, *(1,) * ASKED)),
         ({"prior": Prior(step=0.3)}, False, (1, 2)),
         ({"prior": Prior(step=0.3), "stages": "none"}, False, (2,)),
         ({"optimiser": Adam()}, False, (1, 2)),
@@ -68,6 +71,16 @@ def test_the_stages_of_a_fit(
     assert stage_orders(other, ready) == orders
 
 
+def stages(task: Task, ready: Ready) -> Iterator[Objective]:
+    """Each stage from where the one before began, until nothing is left to do."""
+    before = None
+    for number in range(len(stage_orders(task, ready))):
+        before = make_stage(task, ready, number, before)
+        if before is None:
+            return
+        yield before
+
+
 def test_one_value_comes_first_and_the_field_begins_with_it(task: Task, ready: Ready) -> None:
     first = make_stage(task, ready, 0, None)
     assert first is not None
@@ -76,31 +89,26 @@ def test_one_value_comes_first_and_the_field_begins_with_it(task: Task, ready: R
     assert float(field.control_values()[0]) == pytest.approx(START["conductivity"])
     assert np.shape(first.space.mesh.cells)[1] == 4
     moved = replace(first, fields={"conductivity": field.with_parameters(field.parameters() + 0.5)})
+    found = float(moved.fields["conductivity"].control_values()[0])
     second = make_stage(task, ready, 1, moved)
     assert second is not None and np.shape(second.space.mesh.cells)[1] == 10
-    found = float(second.fields["conductivity"].control_values()[0])
-    assert found == pytest.approx(float(moved.fields["conductivity"].control_values()[0]))
+    assert float(second.fields["conductivity"].control_values()[0]) == pytest.approx(found)
     third = make_stage(task, ready, 2, second)
-    assert third is not None
-    assert np.allclose(third.fields["conductivity"].control_values(), found, rtol=1e-9)
-    assert len(third.priors["conductivity"].pairs) > 0
+    assert third is not None and np.shape(third.fields["conductivity"].parameters()) == (1,)
+    fourth = make_stage(task, ready, 3, third)
+    assert fourth is not None
+    assert np.allclose(fourth.fields["conductivity"].control_values(), found, rtol=1e-9)
+    assert len(fourth.priors["conductivity"].pairs) > 0
     # Asked again at the same place, the data say the same, and nothing is left to do.
-    assert make_stage(task, ready, 3, third) is None
-
-
-def test_what_the_mesh_makes_wrong_is_measured_once_and_kept(task: Task, ready: Ready) -> None:
-    uniform = make_stage(task, ready, 1, make_stage(task, ready, 0, None))
-    assert uniform is not None and not np.any(uniform.cases[0].defect)
-    first = make_stage(task, ready, 2, uniform)
-    assert first is not None
-    defect = np.asarray(first.cases[0].defect)
+    assert make_stage(task, ready, 4, fourth) is None
+    # What the cells make wrong is measured once, with one value, and kept.
+    assert not np.any(second.cases[0].defect)
+    defect = np.asarray(third.cases[0].defect)
     assert 1e-4 < np.abs(defect).max() < 1.0
-    # Elsewhere the data ask for another smoothness; the defect is that of the one value.
-    field = first.fields["conductivity"]
-    apart = field.parameters() + np.linspace(-0.5, 0.5, 4)
-    moved = replace(first, fields={"conductivity": field.with_parameters(apart)})
-    second = make_stage(task, ready, 3, moved)
-    assert second is not None and np.array_equal(second.cases[0].defect, defect)
-    without = replace(task, meshing=replace(task.meshing, corrected=False))
-    bare = make_stage(without, ready, 2, uniform)
-    assert bare is not None and not np.any(bare.cases[0].defect)
+    assert np.array_equal(fourth.cases[0].defect, defect)
+
+
+def test_without_a_correction_nothing_is_added(task: Task) -> None:
+    bare = replace(task, meshing=replace(task.meshing, order=1, corrected=False))
+    made = list(stages(bare, prepare(bare)))
+    assert len(made) == 2 and not any(np.any(one.cases[0].defect) for one in made)

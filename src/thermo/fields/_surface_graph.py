@@ -10,6 +10,7 @@ from jaxtyping import Bool, Float, Int
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
+from thermo.errors import InputError
 from thermo.mesh import Mesh
 
 
@@ -58,8 +59,15 @@ def place_control_points(
     - `seed`: of the first point.
     - `active`: for each surface vertex, whether it takes part in the thermal process.
 
+    Raises `InputError` where `count` is below 1.
+
     Source: paper, appendix B.5 (checklist C1, C6, C8).
     """
+    if count < 1:
+        raise InputError(
+            "a field needs control points", where="count", value=count,
+            limit="a whole number above 0", remedy="leave it at its default",
+        )  # fmt: skip
     nodes, _ = surface_vertices(mesh)
     place = mesh.nodes[nodes]
     edges = surface_edges(mesh)

@@ -154,7 +154,9 @@ def _taken_off(task: Task, objective: Objective) -> list[str]:
     if not any(sizes.values()):
         return []
     words = ", ".join(f"{size:.2g} K in {name}" for name, size in sizes.items())
-    return [f"What the fit's cells and steps make wrong is allowed for: {words} (RMS)."]
+    return [
+        f"What the fit's cells and steps make wrong is allowed for (mesh.corrected): {words} (RMS)."
+    ]
 
 
 UNEXPLAINED = 2.0

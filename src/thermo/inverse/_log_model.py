@@ -7,10 +7,7 @@ from pathlib import Path
 from typing import final
 
 import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax.flatten_util import ravel_pytree
 from jaxtyping import Float
 
 from thermo._compiled import make_room
@@ -19,7 +16,8 @@ from thermo.fields import QUANTITIES
 from thermo.inverse._body import Meshing
 from thermo.inverse._field_choice import Uniform
 from thermo.inverse._first_order import Adam
-from thermo.inverse._objective import Objective, jacobian, with_fields
+from thermo.inverse._objective import Objective, jacobian
+from thermo.inverse._sensitivity import logarithm_slopes
 from thermo.inverse._stages import make_objective
 from thermo.inverse._stepping import Stepping
 from thermo.inverse._task import Prior, Task, prepare, what_is_asked
@@ -62,13 +60,7 @@ class LogModel:
             field, _ = Uniform().make(QUANTITIES[name], self.mesh, float(np.exp(log)), 0)
             parameters[name] = field.parameters()
         residual, matrix = eqx.filter_jit(jacobian)(self.objective, parameters)
-        flat, unravel = ravel_pytree(parameters)
-
-        def logarithms(point: jax.Array) -> jax.Array:
-            fields = with_fields(self.objective, unravel(point)).values()
-            return jnp.concatenate([jnp.log(field.control_values()) for field in fields])
-
-        change = np.asarray(jax.jacfwd(logarithms)(flat))
+        change = logarithm_slopes(self.objective, parameters, Uniform.__name__)
         return np.asarray(residual), np.asarray(matrix) @ np.linalg.inv(change)
 
 

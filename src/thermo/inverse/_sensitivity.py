@@ -18,7 +18,14 @@ from thermo.errors import InputError
 from thermo.inverse._body import Meshing
 from thermo.inverse._field_choice import AbstractFieldChoice, Uniform
 from thermo.inverse._first_order import Adam
-from thermo.inverse._objective import Objective, jacobian, run_parts, start, with_fields
+from thermo.inverse._objective import (
+    Objective,
+    Parameters,
+    jacobian,
+    run_parts,
+    start,
+    with_fields,
+)
 from thermo.inverse._stages import make_objective
 from thermo.inverse._stepping import Stepping
 from thermo.inverse._task import Prior, Task, prepare, what_is_asked
@@ -66,27 +73,38 @@ def sensitivity(
     cut = (stepping or Stepping(), meshing or Meshing())
     task = Task(scene, picked, names, *how, *cut, "none", initial, seed, 0.0)
     objective = make_objective(task, prepare(task), task.meshing.order)
-    _, matrix = eqx.filter_jit(jacobian)(objective, start(objective))
-    return _in_kelvin(objective, np.asarray(matrix), task)
+    here = start(objective)
+    # Asked first: the Jacobian by the many weights of a network would take for ever.
+    change = logarithm_slopes(objective, here, type(task.choice).__name__)
+    _, matrix = eqx.filter_jit(jacobian)(objective, here)
+    return _in_kelvin(objective, np.asarray(matrix) @ np.linalg.inv(change), task)
 
 
-def _in_kelvin(objective: Objective, matrix: np.ndarray, task: Task) -> Sensitivity:
-    flat, unravel = ravel_pytree(start(objective))
+def logarithm_slopes(
+    objective: Objective, parameters: Parameters, choice: str
+) -> Float[np.ndarray, "controls unknowns"]:
+    """Slopes of the logarithms at the controls by what the fields are made of [1].
+
+    Raises `InputError`, which names the `choice`, where there is not one unknown for each control.
+    """
+    flat, unravel = ravel_pytree(parameters)
 
     def logarithms(point: Float[Array, " unknowns"]) -> Float[Array, " controls"]:
         fields = with_fields(objective, unravel(point)).values()
         return jnp.concatenate([jnp.log(field.control_values()) for field in fields])
 
-    change = np.asarray(jax.jacfwd(logarithms)(flat))
-    if change.shape[0] != change.shape[1]:
+    if jax.eval_shape(logarithms, flat).shape != flat.shape:
         raise InputError(
             "this field has other unknowns than the values at its control points",
             where="choice",
-            value=type(task.choice).__name__,
+            value=choice,
             limit="one unknown a control point",
             remedy="give Uniform, Patchwise or OnControlPoints",
         )
-    matrix = matrix @ np.linalg.inv(change)
+    return np.asarray(jax.jacfwd(logarithms)(flat))
+
+
+def _in_kelvin(objective: Objective, matrix: np.ndarray, task: Task) -> Sensitivity:
     slopes, noise = {}, {}
     for number, part, weight in run_parts(objective):
         run = task.runs[number]

@@ -59,14 +59,15 @@ def data_choose(task: Task, ready: Ready) -> bool:
 def stage_orders(task: Task, ready: Ready) -> tuple[int, ...]:
     """The order [1] of the cells in each stage.
 
-    Where the data choose the smoothness, one value for the body is fitted first, then the field,
-    and again where the data then ask for another smoothness.
+    Where the data choose the smoothness, one value for the body is fitted first, once more with
+    what cells and steps make wrong taken off, then the field, and again where the data then ask
+    for another smoothness.
     """
     order = task.meshing.order
     first = 1 if task.stages == "tet4_tet10" else order
     both = (first, order) if first != order else (order,)
     if data_choose(task, ready):
-        return (*both, *(order,) * ASKED)
+        return (*both, *(order,) * task.meshing.corrected, *(order,) * ASKED)
     if isinstance(task.choice, AbstractStagedChoice):
         return first, order
     return both
@@ -88,22 +89,20 @@ def make_stage(task: Task, ready: Ready, number: int, before: Objective | None) 
     elif before is not None:
         ready = _go_on(task, ready, before)
     objective = make_objective(task, ready, orders[number])
-    return replace(objective, settled=SETTLED_EARLY) if number + 1 < plain else objective
+    if number + 1 < plain:
+        return replace(objective, settled=SETTLED_EARLY)
+    if asked and task.meshing.corrected:
+        assert before is not None, "one value has been fitted"
+        return with_defects(objective, defects(task, ready, before))
+    return objective
 
 
 def _asked_stage(
     task: Task, ready: Ready, order: int, before: Objective, *, first: bool
 ) -> Objective | None:
-    """The fields as smooth as the data ask for where they stand; None where that is as before.
-
-    A field would bend to what the cells and the steps make wrong: that is measured first, where
-    the fit of one value ended.
-    """
-    if first and task.meshing.corrected:
-        apart = defects(task, ready, before)
-    else:
-        apart = [case.defect for case in before.cases]
+    """The fields as smooth as the data ask for where they stand; None where that is as before."""
     ready = _from_one_value(task, ready, before) if first else _go_on(task, ready, before)
+    apart = [case.defect for case in before.cases]
     objective = with_defects(make_objective(task, ready, order), apart)
     here = objective
     if here.tangents is None:

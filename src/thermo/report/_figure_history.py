@@ -34,9 +34,13 @@ def figure_history(
     axes = figure.subplots()
     marker = "o" if len(loss) <= 60 else ""
     shown = np.where(finite, loss, np.nan)
-    axes.plot(steps, shown, color="#2166ac", lw=1.2, marker=marker, ms=4, label="loss")
+    ends = [*starts[1:], len(loss)]
+    for start, end in zip(starts, ends, strict=True):
+        label = "loss" if start == starts[0] else None
+        part = slice(start, end)
+        axes.plot(steps[part], shown[part], color="#2166ac", lw=1.2, marker=marker, ms=4,
+                  label=label)  # fmt: skip
     if finite[starts[-1] :].any():
-        ends = [*starts[1:], len(loss)]
         for start, end in zip(starts, ends, strict=True):
             best = np.fmin.accumulate(shown[start:end])
             label = "best so far" if start == starts[0] else None
