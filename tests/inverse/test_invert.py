@@ -26,6 +26,7 @@ from thermo.inverse import (
     invert,
 )
 from thermo.inverse import _invert as module
+from thermo.inverse._smoothing import ALL_BUT_UNIFORM
 from thermo.observe import Scene, read_scene
 from thermo.physics.integrators import BackwardEuler
 
@@ -246,12 +247,17 @@ def test_the_data_call_one_material_uniform(block: Path, meshing: Meshing) -> No
     choice = OnControlPoints(count=12)
     estimate = invert(block, runs=("lamp",), initial=START, choice=choice, **how)
     field = estimate.fields["conductivity"]
-    assert estimate.smoothness["conductivity"] <= 0.02
-    assert any("no variation of conductivity" in remark for remark in estimate.remarks)
+    # What a mesh of so few cells leaves wrong can look like two per cent of variation.
+    step = estimate.smoothness["conductivity"]
+    assert step <= 0.02
+    said = "no variation of conductivity" if step <= ALL_BUT_UNIFORM else "a factor of about 1.0"
+    assert any(said in remark for remark in estimate.remarks)
     assert np.ptp(field.faces) < 0.02 * CONDUCTIVITY
     assert float(np.median(field.faces)) == pytest.approx(CONDUCTIVITY, rel=0.02)
-    # Linear cells, then quadratic ones with the choice, and once more where that changed.
-    assert 2 <= len(estimate.history) <= 3
+    # One value on linear cells, on quadratic ones, and without their errors; then the field, and
+    # once more where the choice changed.
+    assert 4 <= len(estimate.history) <= 5
+    assert any("is allowed for" in remark for remark in estimate.remarks)
     for run in estimate.runs.values():
         assert run.deviation >= np.hypot(run.noise, 0.01) * (1 - 1e-9)
 
