@@ -77,8 +77,9 @@ def log_model(
 ) -> LogModel:
     """What `invert` makes small with one value for each unknown, as a function of its logarithms.
 
-    Arguments as for `invert`; mesh and steps are made for the first values and stay. For
-    `thermo.identify.profile` and for samplers: nothing is fitted here.
+    Arguments as for `invert`, `initial` by quantity [SI] and `model_error` [K] among them; mesh and
+    steps are made for the first values and stay. For `thermo.identify.profile` and for samplers:
+    nothing is fitted here.
 
     Raises `InputError` as `invert` does.
     """
