@@ -41,6 +41,7 @@ def test_the_cases_of_the_tables(folder: Path) -> None:
     quick = paper_cases(folder, **asked(size="quick", **both))
     assert len(quick) == 8 and not any(case.held_out for case in quick)
     assert {case.preset.meshing.max_nodes for case in quick} == {module.QUICK_NODES}
+    assert not any(case.preset.meshing.corrected for case in quick)
     # Another folder of meshes is no other question.
     (moved,) = paper_cases(
         folder, **asked(parts=["tables"], rows=["cube-cooling"]), cache=folder / "elsewhere"
