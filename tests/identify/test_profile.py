@@ -94,6 +94,16 @@ def test_an_optimum_beyond_a_bound_lies_on_it() -> None:
     assert found.best == pytest.approx([1.0, 2.0])
 
 
+def test_another_at_its_bound_no_longer_makes_up() -> None:
+    # Below a = 0.11 the other would pass its bound 2: chi^2 = 9 a^2 + 1 there, 0.9 (a + 1)^2 above.
+    model = of(lambda u: 3 * (u[0] + u[1] - 2), lambda u: u[1] - 3)
+    bounds = np.array([[-5.0, 5.0], [-2.0, 2.0]])
+    found = profile(model, np.array([0.5, 1.0]), 0, bounds=bounds)
+    assert found.kind == "bounded" and found.best == pytest.approx([0.0, 2.0], abs=0.02)
+    assert found.lower == pytest.approx(-np.sqrt(LEVEL) / 3, rel=0.01)
+    assert found.upper == pytest.approx(np.sqrt((1 + LEVEL) / 0.9) - 1, rel=0.01)
+
+
 def test_a_second_valley_is_seen_and_a_deeper_one_becomes_the_first() -> None:
     # Valleys near -1 and 1; the tilt makes the one at -1 the deeper one.
     tilted = of(lambda u: u[0] ** 2 - 1, lambda u: 0.4 * (u[0] + 1))

@@ -101,6 +101,28 @@ def _least(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     return np.linalg.lstsq(matrix / length, right, rcond=_UNSEEN)[0] / length
 
 
+def _step(
+    unknowns: Float[np.ndarray, " unknowns"],
+    residual: Float[np.ndarray, " values"],
+    jacobian: Float[np.ndarray, "values unknowns"],
+    bounds: Float[np.ndarray, "unknowns 2"],
+    held: int | None,
+) -> Float[np.ndarray, " unknowns"]:
+    """A Gauss-Newton step [1] of those that neither are held nor stand at a bound they press on."""
+    low, high = bounds.T
+    free = np.arange(len(unknowns)) != held
+    while True:
+        step = np.zeros(len(unknowns))
+        step[free] = -_least(jacobian[:, free], residual)
+        stuck = ((unknowns <= low) & (step < 0)) | ((unknowns >= high) & (step > 0))
+        if not stuck.any():
+            break
+        free &= ~stuck
+    # A step of more than a factor e leaves what the slopes know.
+    step *= min(1.0, LONGEST / max(float(np.abs(step).max()), LONGEST))
+    return np.clip(unknowns + step, low, high) - unknowns
+
+
 def settle(
     model: Model,
     unknowns: Float[np.ndarray, " unknowns"],
@@ -108,16 +130,11 @@ def settle(
     held: int | None = None,
 ) -> Point:
     """Where Gauss-Newton steps, halved until they help, take the unknowns that are not held [1]."""
-    free = np.arange(len(unknowns)) != held
     unknowns = np.clip(unknowns, *bounds.T)
     residual, jacobian = model(unknowns)
     remainder = np.inf
     for _ in range(_ITERATIONS):
-        step = np.zeros(len(unknowns))
-        step[free] = -_least(jacobian[:, free], residual)
-        # A step of more than a factor e leaves what the slopes know.
-        step *= min(1.0, LONGEST / max(float(np.abs(step).max()), LONGEST))
-        step = np.clip(unknowns + step, *bounds.T) - unknowns
+        step = _step(unknowns, residual, jacobian, bounds, held)
         height, promised = float(residual @ residual), residual + jacobian @ step
         remainder = max(height - float(promised @ promised), 0.0)
         if remainder < SETTLED:
