@@ -10,17 +10,15 @@ import equinox as eqx
 import numpy as np
 from jaxtyping import Float
 
-from thermo._compiled import make_room
 from thermo.errors import InputError
 from thermo.fields import QUANTITIES
 from thermo.inverse._body import Meshing
 from thermo.inverse._field_choice import Uniform
-from thermo.inverse._first_order import Adam
 from thermo.inverse._objective import Objective, jacobian
-from thermo.inverse._sensitivity import logarithm_slopes
+from thermo.inverse._sensitivity import logarithm_slopes, unfitted
 from thermo.inverse._stages import make_objective
 from thermo.inverse._stepping import Stepping
-from thermo.inverse._task import Prior, Task, prepare, what_is_asked
+from thermo.inverse._task import Prior, prepare
 from thermo.mesh import Mesh
 from thermo.observe import Scene
 
@@ -83,14 +81,12 @@ def log_model(
 
     Raises `InputError` as `invert` does.
     """
-    make_room()
-    scene, picked, names, initial = what_is_asked(data, runs, unknown, initial)
-    # No optimiser steps here; any that takes no tangents of its own will do.
-    how = (Uniform(), Adam(), prior or Prior())
-    cut = (stepping or Stepping(), meshing or Meshing())
-    task = Task(scene, picked, names, *how, *cut, "none", initial, 0, model_error)
+    task = unfitted(
+        data, runs, unknown, Uniform(), prior or Prior(), stepping, meshing, initial,
+        model_error=model_error,
+    )  # fmt: skip
     ready = prepare(task)
     objective = make_objective(task, ready, task.meshing.order)
-    values = [float(objective.fields[name].control_values()[0]) for name in names]
-    limits = [(QUANTITIES[name].lower, QUANTITIES[name].upper) for name in names]
-    return LogModel(names, np.log(values), np.log(limits), objective, ready.mesh)
+    values = [float(objective.fields[name].control_values()[0]) for name in task.names]
+    limits = [(QUANTITIES[name].lower, QUANTITIES[name].upper) for name in task.names]
+    return LogModel(task.names, np.log(values), np.log(limits), objective, ready.mesh)

@@ -66,18 +66,37 @@ def sensitivity(
     the recordings are not used, unless a conductivity that nobody states is to be found: then to
     choose one roughly. Raises `InputError` as `invert` does.
     """
-    make_room()
-    scene, picked, names, initial = what_is_asked(data, runs, unknown, initial)
-    # No optimiser steps here; any that takes no tangents of its own will do.
-    how = (choice or Uniform(), Adam(), Prior())
-    cut = (stepping or Stepping(), meshing or Meshing())
-    task = Task(scene, picked, names, *how, *cut, "none", initial, seed, 0.0)
+    task = unfitted(
+        data, runs, unknown, choice or Uniform(), Prior(), stepping, meshing, initial,
+        seed=seed, model_error=0.0,
+    )  # fmt: skip
     objective = make_objective(task, prepare(task), task.meshing.order)
     here = start(objective)
     # Asked first: the Jacobian by the many weights of a network would take for ever.
     change = logarithm_slopes(objective, here, type(task.choice).__name__)
     _, matrix = eqx.filter_jit(jacobian)(objective, here)
     return _in_kelvin(objective, np.asarray(matrix) @ np.linalg.inv(change), task)
+
+
+def unfitted(
+    data: Scene | str | Path,
+    runs: tuple[str, ...] | None,
+    unknown: tuple[str, ...] | None,
+    choice: AbstractFieldChoice,
+    prior: Prior,
+    stepping: Stepping | None,
+    meshing: Meshing | None,
+    initial: dict[str, float] | None,
+    *,
+    seed: int = 0,
+    model_error: float,
+) -> Task:
+    """What would be asked of a fit, checked as `invert` does; arguments as there [SI]."""
+    make_room()
+    scene, picked, names, initial = what_is_asked(data, runs, unknown, initial)
+    # No optimiser steps here; any that takes no tangents of its own will do.
+    how = (choice, Adam(), prior, stepping or Stepping(), meshing or Meshing())
+    return Task(scene, picked, names, *how, "none", initial, seed, model_error)
 
 
 def logarithm_slopes(
