@@ -60,15 +60,47 @@ def test_a_sample_that_is_never_quiet_keeps_its_values(scene: Scene) -> None:
 
 def test_weights_are_one_over_the_deviation_and_zero_without_data(scene: Scene) -> None:
     run = scene.runs["lamp"]
-    noise = estimate_noise(run.recording)
-    r = min(max(noise.correlation, 0.0), 0.95)
-    white = noise.white * np.sqrt((1 + r) / (1 - r))
-    weight = np.asarray(case(run).weight)
-    assert np.allclose(weight[run.recording.valid], (white**2 + 0.01**2) ** -0.5, rtol=1e-12)
+    white = estimate_noise(run.recording).white
+    made = case(run)
+    weight = np.asarray(made.weight())
+    used = run.recording.valid
+    staying = np.asarray(made.errors.staying)
+    wanted = (white**2 + 0.01**2 + staying) ** -0.5
+    assert np.allclose(weight[used], np.broadcast_to(wanted, used.shape)[used], rtol=1e-12)
     assert not run.recording.valid[5, 3]
     assert np.all(weight[~run.recording.valid] == 0)
     assert (weight == 0).sum() == 3
     assert np.isfinite(np.asarray(case(run).data)).all()
+
+
+def test_errors_fade_as_the_quiet_frames_do_and_a_part_of_each_offset_stays(scene: Scene) -> None:
+    run = scene.runs["lamp"]
+    random, samples = np.random.default_rng(0), len(run.recording.points)
+    wave = np.zeros((400, samples))
+    for frame in range(1, len(wave)):
+        wave[frame] = 0.6 * wave[frame - 1] + 0.8 * random.standard_normal(samples)
+    run = recorded(run, quiet=run.initial_temperature + 0.05 * wave)
+    grid = uniform_steps(run.recording.time[[0, 3, 4, 20]], 5.0)
+    errors = make_case(run, SPACE, grid, model_error=0.01, where="scene.json").errors
+    assert float(errors.fading) == pytest.approx(0.05**2, rel=0.1)
+    kept = np.asarray(errors.kept)[1:]
+    assert kept == pytest.approx(kept[1] ** np.array([3, 1, 16])), "as many frames lie between"
+    assert kept[1] == pytest.approx(0.6, abs=0.05)
+    assert np.allclose(errors.own, 0.01**2)
+    # The mean of 400 frames, four of which say the same.
+    assert np.allclose(errors.staying, 0.05**2 * 4 / 400, rtol=0.3)
+
+
+def test_noise_of_its_own_in_each_reading_does_not_fade(scene: Scene) -> None:
+    run = scene.runs["lamp"]
+    ripple = 0.05 * np.resize([1.0, -1.0], 10)[:, None]
+    quiet = run.initial_temperature + ripple + np.zeros(len(run.recording.points))
+    run = recorded(run, quiet=quiet)
+    white = estimate_noise(run.recording).white
+    errors = case(run).errors
+    assert float(errors.fading) == 0.0
+    assert np.allclose(errors.own, white**2 + 0.01**2)
+    assert np.allclose(errors.staying, white**2 / 10)
 
 
 def test_a_case_takes_the_frames_of_its_grid(scene: Scene) -> None:
@@ -80,7 +112,7 @@ def test_a_case_takes_the_frames_of_its_grid(scene: Scene) -> None:
     assert made.data.shape == (4, len(run.recording.points))
     whole = case(run)
     assert np.array_equal(np.asarray(made.data), np.asarray(whole.data)[[0, 3, 4, 20]])
-    assert np.array_equal(np.asarray(made.weight), np.asarray(whole.weight)[[0, 3, 4, 20]])
+    assert np.array_equal(np.asarray(made.used), np.asarray(whole.used)[[0, 3, 4, 20]])
 
 
 def test_samples_away_from_the_surface_are_refused(scene: Scene) -> None:
@@ -112,8 +144,8 @@ def test_stacked_runs_are_padded_with_steps_of_no_time_and_data_of_no_weight(sce
         frames, samples = one.data.shape
         steps = len(one.grid.start)
         assert np.array_equal(mine.data[:frames, :samples], np.asarray(one.data))
-        assert np.array_equal(mine.weight[:frames, :samples], np.asarray(one.weight))
-        assert np.all(mine.weight[frames:] == 0) and np.all(mine.weight[:, samples:] == 0)
+        assert np.array_equal(mine.used[:frames, :samples], np.asarray(one.used))
+        assert np.all(mine.used[frames:] == 0) and np.all(mine.used[:, samples:] == 0)
         assert np.all(mine.grid.size[steps:] == 0)
         assert mine.grid.size.sum() == pytest.approx(np.sum(one.grid.size), rel=1e-12)
         assert np.all(np.diff(mine.grid.start) >= 0) and np.all(np.diff(mine.grid.frame_step) >= 0)

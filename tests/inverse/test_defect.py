@@ -74,7 +74,7 @@ def test_the_defect_takes_off_most_of_what_cells_and_steps_make_wrong(
         # Another program made the recordings. Linear cells of half the length leave a quarter.
         assert np.std(after) < 0.5 * np.std(before)
     second = plain.sequence.index(1)
-    shown = np.asarray(apart)[second][np.asarray(plain.cases[0].weight)[second] > 0]
+    shown = np.asarray(apart)[second][np.asarray(plain.cases[0].used)[second] > 0]
     assert defect_sizes(corrected)[1] == pytest.approx(np.sqrt(np.mean(shown**2)))
     assert set(defect_sizes(plain).values()) == {0.0}
 

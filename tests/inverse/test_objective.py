@@ -30,6 +30,7 @@ from thermo.inverse._objective import (
     start,
     with_fields,
 )
+from thermo.inverse._reading_errors import whiten
 from thermo.observe import Recording, Scene
 
 from .objectives import MESH, beliefs, case, measured, moved, prior
@@ -73,11 +74,11 @@ def test_the_residual_is_misfit_times_weight_then_priors(
     solve = eqx.filter_jit(case_temperatures)
     for one in cases:
         simulated = np.asarray(solve(objective, fields, one))
-        data, weight = np.asarray(one.data), np.asarray(one.weight)
+        data = np.asarray(one.data)
         frames, samples = data.shape
         # Groups are padded to 21 frames and 30 samples; what is padded counts for nothing.
         padded = value[place : place + 21 * 30].reshape(21, 30)
-        wanted = (simulated - data) * weight
+        wanted = np.asarray(whiten(one.errors, one.used, jnp.asarray(simulated - data)))
         assert np.abs(wanted).max() > 10
         # Padded steps shorten no time, so that only the solver's tolerance differs.
         assert np.allclose(padded[:frames, :samples], wanted, rtol=0, atol=1e-6)

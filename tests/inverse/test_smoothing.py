@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from thermo.inverse._objective import Objective, residual, start
+from thermo.inverse._reading_errors import colour
 from thermo.inverse._smoothing import ALL_BUT_UNIFORM, ask_data, much_the_same, with_choice
 from thermo.observe import Scene
 
@@ -29,14 +31,13 @@ def samples(scene: Scene) -> list[np.ndarray]:
 
 
 def with_noise(objective: Objective, noise: list[np.ndarray]) -> Objective:
-    """The same runs, measured as simulated here, with `noise` in units of its stated deviation."""
+    """The same runs, measured as simulated here, with a whitened residual of `noise`."""
     value = np.asarray(eqx.filter_jit(residual)(objective, start(objective)))
     (group,) = objective.cases
     apart = value[: group.data.size].reshape(group.data.shape)
-    weight = np.asarray(group.weight)
-    heavy = np.where(weight > 0, weight, 1.0)
-    data = np.asarray(group.data) + apart / heavy - np.stack(noise) / heavy
-    return replace(objective, cases=(replace(group, data=jnp.asarray(data)),))
+    more = apart - jnp.asarray(np.stack(noise))
+    data = group.data + jax.vmap(colour)(group.errors, group.used, more)
+    return replace(objective, cases=(replace(group, data=data),))
 
 
 def white(objective: Objective, seed: int) -> np.ndarray:
@@ -50,7 +51,7 @@ def chosen_by_data(objective: Objective, samples: list[np.ndarray]) -> Objective
 
 def lighter(before: Objective, after: Objective) -> np.ndarray:
     """By what factor the weight of each run fell [1]."""
-    old, new = (np.asarray(one.cases[0].weight).max((1, 2)) for one in (before, after))
+    old, new = (np.asarray(one.cases[0].trust) for one in (before, after))
     return old / new
 
 
@@ -89,13 +90,13 @@ def test_the_tangents_get_the_same_choice(objective: Objective, samples: list[np
     assert chosen.tangents is not None
     for name, prior in chosen.priors.items():
         assert float(prior.step) == float(chosen.tangents.priors[name].step)
-    assert np.array_equal(chosen.cases[0].weight, chosen.tangents.cases[0].weight)
+    assert np.array_equal(chosen.cases[0].trust, chosen.tangents.cases[0].trust)
 
 
 def test_what_is_called_the_same(objective: Objective) -> None:
     def other(step: float, weight: float) -> Objective:
         priors = {n: replace(p, step=jnp.asarray(step)) for n, p in objective.priors.items()}
-        cases = tuple(replace(c, weight=c.weight * weight) for c in objective.cases)
+        cases = tuple(replace(c, trust=c.trust * weight) for c in objective.cases)
         return replace(objective, priors=priors, cases=cases)
 
     base = other(0.1, 1.0)

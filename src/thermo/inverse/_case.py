@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import final
 
 import equinox as eqx
@@ -12,7 +13,8 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from thermo.inverse._conditions import Conditions, conditions, switches
-from thermo.observe import Run, bind, estimate_noise
+from thermo.inverse._reading_errors import ReadingErrors
+from thermo.observe import Noise, Run, bind, estimate_noise
 from thermo.physics import Discretisation, ReadOut, TimeGrid, between_steps
 
 
@@ -21,8 +23,8 @@ class Case(eqx.Module):
     """One run, or several of the same shape stacked along a leading axis.
 
     - `grid`: steps and frames [s]; `readout`: where the samples are.
-    - `data`: (frames, samples) [K]; `weight`: 1 / standard deviation, zero where there is no
-      valid value, (frames, samples) [1/K].
+    - `data`: (frames, samples) [K]; `used`: 1 where there is a valid value, else 0 [1].
+    - `errors`: of the readings; `trust`: what whitened residuals are multiplied by [1].
     - `defect`: what is added to the simulation for its cells and steps, (frames, samples) [K].
     - `between`: where frames lie between the steps, the weights of what the grid's own frames
       read, (frames, ends) [1]; None where the grid's frames are those of the data.
@@ -32,20 +34,29 @@ class Case(eqx.Module):
     grid: TimeGrid
     readout: ReadOut
     data: Float[Array, "*runs frames samples"]
-    weight: Float[Array, "*runs frames samples"]
+    used: Float[Array, "*runs frames samples"]
+    errors: ReadingErrors
+    trust: Float[Array, "*runs"]
     defect: Float[Array, "*runs frames samples"]
     between: Float[Array, "*runs frames ends"] | None = None
 
+    def weight(self) -> Float[Array, "*runs frames samples"]:
+        """1 / standard deviation of each reading, zero where there is none [1/K]."""
+        return self.trust[..., None, None] * self.used / jnp.sqrt(self.errors.variance())
 
-def _offset(run: Run) -> np.ndarray | float:
-    """Constant error [K] of each sample, from its quiet frames, where there are enough of them."""
-    quiet = run.recording.quiet
+
+def _staying(run: Run, noise: Noise) -> tuple[np.ndarray, np.ndarray]:
+    """Constant error [K] of each sample, from its quiet frames, and the variance of that [K2]."""
+    quiet, samples = run.recording.quiet, len(run.recording.points)
     if quiet is None or len(quiet) < 3:
-        return 0.0
+        return np.zeros(samples), np.zeros(samples)
     known = np.isfinite(quiet)
-    error = np.where(known, quiet - run.initial_temperature, 0.0).sum(0)
-    # A sample that is never seen quiet keeps its values.
-    return error / np.maximum(known.sum(0), 1)
+    count = np.maximum(known.sum(0), 1)
+    error = np.where(known, quiet - run.initial_temperature, 0.0).sum(0) / count
+    # Of a mean of n readings that fade, for n well above 1 / (1 - r).
+    own = noise.white**2 * np.minimum((1 + noise.correlation) / (1 - noise.correlation) / count, 1)
+    # A sample that is never seen quiet keeps its values, and an error as the others have it.
+    return error, np.where(known.any(0), own, noise.offset**2)
 
 
 def make_case(
@@ -59,9 +70,9 @@ def make_case(
 ) -> Case:
     """Bind a run to a mesh and weigh its data.
 
-    The standard deviation of a reading is sqrt(white^2 (1 + r) / (1 - r) + model_error^2) with
-    the white level and the frame-to-frame correlation r of the recording's noise. Each sample's
-    constant error, known from its quiet frames, is taken off.
+    The errors of readings are a fluctuation of the recording's noise level, correlated from frame
+    to frame as that is, `model_error`, and what stays of each sample's constant error. That error,
+    known from its quiet frames, is taken off; what those frames leave open of it stays.
 
     Arguments:
 
@@ -75,11 +86,18 @@ def make_case(
     readout, _ = bind(recording, space.mesh, where=where)
     frames = np.searchsorted(recording.time, np.asarray(grid.frame_time) - 1e-9)
     noise = estimate_noise(recording)
-    r = min(max(noise.correlation, 0.0), 0.95)
-    deviation = float(np.hypot(noise.white * np.sqrt((1 + r) / (1 - r)), model_error))
-    data = recording.temperature[frames] - _offset(run)
-    weight = np.where(recording.valid[frames], 1 / deviation, 0.0)
-    read = (jnp.asarray(data), jnp.asarray(weight), jnp.zeros(data.shape))
+    offset, staying = _staying(run, noise)
+    data = jnp.asarray(recording.temperature[frames] - offset)
+    fades = noise.correlation > 0
+    own = float(model_error) ** 2 + (0.0 if fades else noise.white**2)
+    errors = ReadingErrors(
+        own=jnp.asarray(np.full(data.shape, own)),
+        fading=jnp.asarray(noise.white**2 if fades else 0.0, float),
+        kept=jnp.asarray(noise.correlation ** np.diff(frames, prepend=frames[0])),
+        staying=jnp.asarray(staying),
+    )
+    used = jnp.asarray(recording.valid[frames], float)
+    read = (data, used, errors, jnp.asarray(1.0, float), jnp.zeros(data.shape))
     under = conditions(run, space)
     if steps is None:
         return Case(under, grid, readout, *read)
@@ -87,6 +105,13 @@ def make_case(
     wanted = np.asarray(grid.frame_time)
     between = jnp.asarray(between_steps(ends, np.eye(len(ends)), wanted, switches(run)))
     return Case(under, steps, readout, *read, between)
+
+
+def in_kelvin(case: Case) -> Case:
+    """The case with errors of 1 K, each by itself, so that its residual is in kelvin [K]."""
+    plain = jax.tree.map(jnp.zeros_like, case.errors)
+    plain = replace(plain, own=jnp.ones_like(case.errors.own))
+    return replace(case, errors=plain, trust=jnp.ones_like(case.trust))
 
 
 def _pad(array: np.ndarray | Array, length: int, axis: int, *, edge: bool) -> np.ndarray:
@@ -111,14 +136,21 @@ def _pad_case(case: Case, steps: int, ends: int, frames: int, samples: int) -> C
         _pad(case.readout.weights, samples, 0, edge=True),
     )
     data = _pad(_pad(case.data, frames, 0, edge=True), samples, 1, edge=True)
-    weight, defect = (
+    used, defect = (
         jnp.asarray(_pad(_pad(values, frames, 0, edge=False), samples, 1, edge=False))
-        for values in (case.weight, case.defect)
+        for values in (case.used, case.defect)
+    )
+    errors = ReadingErrors(
+        own=jnp.asarray(_pad(_pad(case.errors.own, frames, 0, edge=True), samples, 1, edge=True)),
+        fading=case.errors.fading,
+        kept=jnp.asarray(_pad(case.errors.kept, frames, 0, edge=False)),
+        staying=jnp.asarray(_pad(case.errors.staying, samples, 0, edge=True)),
     )
     between = case.between
     if between is not None:
         between = jnp.asarray(_pad(_pad(between, frames, 0, edge=False), ends, 1, edge=False))
-    return Case(case.under, grid, readout, jnp.asarray(data), weight, defect, between)
+    read = (jnp.asarray(data), used, errors, case.trust, defect)
+    return Case(case.under, grid, readout, *read, between)
 
 
 def group_cases(cases: Sequence[Case]) -> list[list[int]]:

@@ -50,8 +50,8 @@ def invert(
 ) -> Estimate:
     """Recover fields of an object from recordings of its surface temperature.
 
-    Minimises 1/2 sum ((T_sim - T_meas) / sd)^2 over all runs, samples and frames, plus priors,
-    over fields that all runs share.
+    Minimises 1/2 |L^-1 (T_sim - T_meas)|^2 over all runs, L L' the covariance of the readings'
+    errors, plus priors, over fields that all runs share.
 
     Arguments:
 

@@ -140,7 +140,7 @@ def _begin(objective: Objective, parameters: Parameters, solver: Any) -> Any:
     flat, _ = ravel_pytree(parameters)
     # Only shapes count here; tracing a whole run for them takes seconds.
     terms = jax.eval_shape(lambda: penalty(objective, parameters)).size
-    count = sum(case.weight.size for case in objective.cases) + terms
+    count = sum(case.data.size for case in objective.cases) + terms
     function = _known(jnp.zeros(count), jnp.zeros((count, flat.size)))
     shape = jax.ShapeDtypeStruct((count,), flat.dtype)
     state = solver.init(function, flat, None, {}, shape, None, frozenset())

@@ -16,6 +16,7 @@ from thermo.fields import AbstractField
 from thermo.inverse._case import Case
 from thermo.inverse._conditions import make_model
 from thermo.inverse._properties import Stated, properties
+from thermo.inverse._reading_errors import whiten
 from thermo.physics import (
     AbstractAdjoint,
     ConjugateGradient,
@@ -156,7 +157,7 @@ def data_residual(
     """Whitened residual [1] of one run."""
     fields = with_fields(objective, parameters)
     found = case_temperatures(objective, fields, case, adjoint)
-    return ((found - case.data) * case.weight).ravel()
+    return case.trust * whiten(case.errors, case.used, found - case.data).ravel()
 
 
 def penalty(objective: Objective, parameters: Parameters) -> Float[Array, " terms"]:
@@ -179,10 +180,13 @@ def residual(objective: Objective, parameters: Parameters) -> Float[Array, " all
 def run_parts(
     objective: Objective,
 ) -> Iterator[tuple[int, slice, Float[np.ndarray, "frames samples"]]]:
-    """Of each run its number, its part of the residual, and the weights there [1/K]."""
+    """Of each run its number, its part of the residual, and the weights there [1/K].
+
+    The weights are those of readings by themselves, zero where there is none.
+    """
     begin, numbers = 0, iter(objective.sequence)
     for case in objective.cases:
-        for weight in np.asarray(case.weight):
+        for weight in np.asarray(case.weight()):
             yield next(numbers), slice(begin, begin + weight.size), weight
             begin += weight.size
 

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import equinox as eqx
+import jax
+import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array, Float
 
 from thermo.inverse._estimate import RunFit
 from thermo.inverse._minimise import Fit
-from thermo.inverse._objective import residual, run_parts
+from thermo.inverse._objective import Objective, residual, run_parts
+from thermo.inverse._reading_errors import colour
 from thermo.observe import Run, estimate_noise
 from thermo.physics import TimeGrid
 
@@ -18,16 +22,15 @@ def run_fits(fit: Fit, runs: tuple[Run, ...], grids: dict[str, TimeGrid]) -> dic
     whitened = fit.residual
     if whitened is None:
         whitened = eqx.filter_jit(residual)(objective, fit.parameters)
-    whitened = np.asarray(whitened)
+    apart = _differences(objective, jnp.asarray(whitened))
     measured = [np.asarray(one) for case in objective.cases for one in case.data]
     result = {}
-    for place, (number, part, weight) in enumerate(run_parts(objective)):
+    for place, (number, _, weight) in enumerate(run_parts(objective)):
         run = runs[number]
         frames, samples = len(grids[run.name].frame_time), len(run.recording.points)
         # NaN where nothing was measured.
-        apart = whitened[part].reshape(weight.shape)
-        apart = np.where(weight > 0, apart / np.where(weight > 0, weight, 1), np.nan)
-        difference, found = apart[:frames, :samples], measured[place][:frames, :samples]
+        difference = np.where(weight > 0, apart[place], np.nan)[:frames, :samples]
+        found = measured[place][:frames, :samples]
         result[run.name] = RunFit(
             rmse=float(np.sqrt(np.nanmean(difference**2))),
             noise=estimate_noise(run.recording).white,
@@ -38,3 +41,16 @@ def run_fits(fit: Fit, runs: tuple[Run, ...], grids: dict[str, TimeGrid]) -> dic
             simulated=found + difference,
         )
     return {run.name: result[run.name] for run in runs}
+
+
+@eqx.filter_jit
+def _differences(
+    objective: Objective, whitened: Float[Array, " all"]
+) -> list[Float[Array, "frames samples"]]:
+    """Simulated less measured temperatures of each run [K] from the whitened residual [1]."""
+    found, begin = [], 0
+    for case in objective.cases:
+        part = whitened[begin : begin + case.data.size].reshape(case.data.shape)
+        found += list(jax.vmap(colour)(case.errors, case.used, part / case.trust[:, None, None]))
+        begin += case.data.size
+    return found

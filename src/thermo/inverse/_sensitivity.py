@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import final
 
@@ -16,6 +16,7 @@ from jaxtyping import Array, Float
 from thermo._compiled import make_room
 from thermo.errors import InputError
 from thermo.inverse._body import Meshing
+from thermo.inverse._case import in_kelvin
 from thermo.inverse._field_choice import AbstractFieldChoice, Uniform
 from thermo.inverse._first_order import Adam
 from thermo.inverse._objective import (
@@ -29,7 +30,7 @@ from thermo.inverse._objective import (
 from thermo.inverse._stages import make_objective
 from thermo.inverse._stepping import Stepping
 from thermo.inverse._task import Prior, Task, prepare, what_is_asked
-from thermo.observe import Scene
+from thermo.observe import Scene, estimate_noise
 
 
 @final
@@ -71,11 +72,12 @@ def sensitivity(
         seed=seed, model_error=0.0,
     )  # fmt: skip
     objective = make_objective(task, prepare(task), task.meshing.order)
+    objective = replace(objective, cases=tuple(in_kelvin(case) for case in objective.cases))
     here = start(objective)
     # Asked first: the Jacobian by the many weights of a network would take for ever.
     change = logarithm_slopes(objective, here, type(task.choice).__name__)
     _, matrix = eqx.filter_jit(jacobian)(objective, here)
-    return _in_kelvin(objective, np.asarray(matrix) @ np.linalg.inv(change), task)
+    return _by_run(objective, np.asarray(matrix) @ np.linalg.inv(change), task)
 
 
 def unfitted(
@@ -123,13 +125,15 @@ def logarithm_slopes(
     return np.asarray(jax.jacfwd(logarithms)(flat))
 
 
-def _in_kelvin(objective: Objective, matrix: np.ndarray, task: Task) -> Sensitivity:
+def _by_run(objective: Objective, matrix: np.ndarray, task: Task) -> Sensitivity:
     slopes, noise = {}, {}
     for number, part, weight in run_parts(objective):
         run = task.runs[number]
         here = matrix[part].reshape(*weight.shape, -1)
-        noise[run.name] = 1 / float(weight.max())
-        slopes[run.name] = here[:, : len(run.recording.points)] * noise[run.name]
+        slopes[run.name] = here[:, : len(run.recording.points)]
+        found = estimate_noise(run.recording)
+        wider = (1 + found.correlation) / (1 - found.correlation)
+        noise[run.name] = float(found.white * np.sqrt(wider))
     sizes = [(name, field.control_values().size) for name, field in objective.fields.items()]
     columns = tuple(name for name, size in sizes for _ in range(size))
     return Sensitivity(columns, slopes, noise, task.stepping.rtol)

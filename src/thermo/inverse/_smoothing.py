@@ -91,7 +91,7 @@ def much_the_same(one: Objective, other: Objective) -> bool:
         if both.max() > _SAME_STEP * both.min():
             return False
     for mine, theirs in zip(one.cases, other.cases, strict=True):
-        heavy, light = (np.asarray(case.weight).max(axis=(1, 2)) for case in (mine, theirs))
+        heavy, light = np.asarray(mine.trust), np.asarray(theirs.trust)
         if np.any(np.maximum(heavy, light) > _SAME_WEIGHT * np.minimum(heavy, light)):
             return False
     return True
@@ -145,9 +145,8 @@ def with_choice(objective: Objective, choice: Choice) -> Objective:
     }
     cases, numbers = [], list(objective.sequence)
     for case in objective.cases:
-        mine, numbers = numbers[: len(case.weight)], numbers[len(case.weight) :]
-        factor = jnp.asarray(choice.weights[mine])[:, None, None]
-        cases.append(replace(case, weight=case.weight * factor))
+        mine, numbers = numbers[: len(case.trust)], numbers[len(case.trust) :]
+        cases.append(replace(case, trust=case.trust * jnp.asarray(choice.weights[mine])))
     tangents = objective.tangents
     if tangents is not None:
         tangents = with_choice(tangents, choice)

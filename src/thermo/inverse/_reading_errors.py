@@ -1,0 +1,106 @@
+"""Errors of readings that are not independent: they fade from frame to frame, or they stay."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import final
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+
+@final
+class ReadingErrors(eqx.Module):
+    """The error of a reading as a sum of three, each of mean zero and independent of the others.
+
+    - `own`: variance of what each reading has by itself, (frames, samples) [K2].
+    - `fading`: variance of what fades from frame to frame [K2], and `kept`, the share of its value
+      that is left since the frame before, (frames,) [1].
+    - `staying`: variance of what each sample keeps over all frames, (samples,) [K2].
+    """
+
+    own: Float[Array, "*runs frames samples"]
+    fading: Float[Array, "*runs"]
+    kept: Float[Array, "*runs frames"]
+    staying: Float[Array, "*runs samples"]
+
+    def variance(self) -> Float[Array, "*runs frames samples"]:
+        """Of each reading [K2]."""
+        return self.own + self.fading[..., None, None] + self.staying[..., None, :]
+
+
+Rule = Callable[[Array, Array, Array], tuple[Array, Array]]
+"""From a value, what is expected of the difference [K] and the deviation of that [K]: what comes
+as a surprise [K], and what is asked for."""
+
+
+def whiten(
+    errors: ReadingErrors,
+    used: Float[Array, "frames samples"],
+    apart: Float[Array, "frames samples"],
+) -> Float[Array, "frames samples"]:
+    """L^-1 times differences, C = L L' the covariance of the errors of one run [1].
+
+    Each difference less what those before it foretell, over the standard deviation of that.
+
+    Arguments:
+
+    - `used`: 1 where there is a reading, 0 elsewhere [1]; there the result is zero.
+    - `apart`: differences of simulation and readings [K].
+
+    Source: Durbin and Koopman, Time Series Analysis by State Space Methods (2012), section 4.3.
+    """
+
+    def rule(value: Array, expected: Array, deviation: Array) -> tuple[Array, Array]:
+        return value - expected, (value - expected) / deviation
+
+    return _along(errors, used, apart, rule) * used
+
+
+def colour(
+    errors: ReadingErrors,
+    used: Float[Array, "frames samples"],
+    white: Float[Array, "frames samples"],
+) -> Float[Array, "frames samples"]:
+    """L times independent values [1] of variance one: differences [K], the inverse of `whiten`.
+
+    Where there is no reading (`used` is 0 [1]) it is what the others foretell.
+    """
+
+    def rule(value: Array, expected: Array, deviation: Array) -> tuple[Array, Array]:
+        return value * deviation, expected + value * deviation
+
+    return _along(errors, used, white * used, rule)
+
+
+def _along(
+    errors: ReadingErrors,
+    used: Float[Array, "frames samples"],
+    values: Float[Array, "frames samples"],
+    rule: Rule,
+) -> Float[Array, "frames samples"]:
+    """A Kalman filter with two states a sample: what fades, and what stays [K]."""
+
+    def step(state: tuple[Array, ...], frame: tuple[Array, ...]) -> tuple[tuple[Array, ...], Array]:
+        fades, stays, of_fading, of_both, of_staying = state
+        kept, own, has, value = frame
+        fades, of_both = kept * fades, kept * of_both
+        of_fading = errors.fading + kept**2 * (of_fading - errors.fading)
+        with_fading, with_staying = of_fading + of_both, of_both + of_staying
+        total = with_fading + with_staying + own
+        surprise, wanted = rule(value, fades + stays, jnp.sqrt(total))
+        first, second = has * with_fading / total, has * with_staying / total
+        after = (
+            fades + first * surprise,
+            stays + second * surprise,
+            of_fading - first * with_fading,
+            of_both - first * with_staying,
+            of_staying - second * with_staying,
+        )
+        return after, wanted
+
+    zero = jnp.zeros_like(errors.staying)
+    begun = (zero, zero, zero + errors.fading, zero, errors.staying)
+    return jax.lax.scan(step, begun, (errors.kept, errors.own, used, values))[1]
