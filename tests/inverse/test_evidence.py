@@ -78,6 +78,26 @@ def test_a_uniform_field_is_called_uniform() -> None:
         assert abs(move.mean() - 0.7) < 4 * sd and sd < 0.015
 
 
+def test_noise_is_seldom_very_strong_evidence_of_a_field_that_varies() -> None:
+    flat = np.full(CONTROLS, 0.7)
+    found = [
+        most_probable_steps(problem(flat, noise=0.3, seed=seed))["k"] > LEAST_STEP
+        for seed in range(200)
+    ]
+    # Twice the gain passes 10 with a probability of about 0.0008.
+    assert sum(found) <= 1
+
+
+def test_a_variation_that_the_noise_could_feign_is_not_claimed() -> None:
+    field = walk(0.004, 3)
+    near = problem(field, noise=0.15, seed=3)
+    likely = [near.log_evidence({"k": step}) for step in (LEAST_STEP, 0.004)]
+    assert 0 < 2 * (likely[1] - likely[0]) < 10
+    assert most_probable_steps(near)["k"] == LEAST_STEP
+    clear = problem(field, noise=0.05, seed=3)
+    assert most_probable_steps(clear)["k"] > LEAST_STEP
+
+
 def test_each_field_has_a_step_of_its_own() -> None:
     rough, flat = walk(0.4, 1), np.zeros(CONTROLS)
     one, other = problem(rough, noise=0.05, seed=1), problem(flat, noise=0.05, seed=2)

@@ -14,6 +14,10 @@ from jaxtyping import Float
 LEAST_STEP: Final = 1e-3
 MOST_STEP: Final = 3.0
 _TRIED: Final = np.geomspace(LEAST_STEP, MOST_STEP, 33)
+# Twice the logarithm of the evidence for a field that varies over that for one value, from which it
+# is very strong [1] (Kass and Raftery). The best step was sought, and errors are known roughly
+# only, so less is no ground to call a body uneven.
+_VERY_STRONG: Final = 10.0
 # With several fields one step is chosen after the other, so often [1].
 _ROUNDS: Final = 3
 # Curvature of directions that nothing is known of, absolute and as a share of the data's largest
@@ -86,12 +90,16 @@ def most_probable_steps(near: Linearised) -> dict[str, float]:
 
     The ones under which the data are the most probable, the field integrated out. Too much freedom
     is punished by the volume of fields that fit no better, so no truth and no tuning is needed.
+    A field for whose variation the evidence is not very strong gets the least step: one value.
 
-    Source: D. J. C. MacKay, Neural Computation 4 (1992) 415, sections 3 and 4.
+    Source: D. J. C. MacKay, Neural Computation 4 (1992) 415, sections 3 and 4; R. E. Kass and
+    A. E. Raftery, J. Am. Stat. Assoc. 90 (1995) 773, section 3.2.
     """
     steps = dict.fromkeys(near.rough, float(np.sqrt(LEAST_STEP * MOST_STEP)))
     for _ in range(_ROUNDS if len(steps) > 1 else 1):
         for name in steps:
             likely = [near.log_evidence({**steps, name: float(step)}) for step in _TRIED]
-            steps[name] = float(_TRIED[int(np.argmax(likely))])
+            best = int(np.argmax(likely))
+            strong = 2 * (likely[best] - likely[0]) > _VERY_STRONG
+            steps[name] = float(_TRIED[best]) if strong else LEAST_STEP
     return steps
