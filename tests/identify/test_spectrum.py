@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from hypothesis import strategies as st
 
 from thermo.errors import InputError
 from thermo.fields import QUANTITIES
-from thermo.identify import spectrum
+from thermo.identify import identifiability, spectrum
 from thermo.inverse import Meshing, Sensitivity, Stepping, sensitivity
 
 NAMES = ("conductivity", "convection", "emissivity")
@@ -108,20 +109,39 @@ def test_what_cannot_be_is_refused(prior: dict[str, float], model: float, where:
     assert caught.value.where == where
 
 
-def test_cooling_alone_tells_ratios_and_a_lamp_the_rest(tmp_path: Path) -> None:
+def part(at: Sensitivity, runs: tuple[str, ...], names: tuple[str, ...]) -> Sensitivity:
+    """Some of the runs, and some of the unknowns: the others are known."""
+    kept = [at.names.index(name) for name in names]
+    slopes = {run: at.slopes[run][..., kept] for run in runs}
+    return replace(at, names=names, slopes=slopes)
+
+
+def test_cooling_alone_tells_ratios_a_lamp_the_rest_and_its_power_hides_that_again(
+    tmp_path: Path,
+) -> None:
     block = write_block(tmp_path / "block")
-    unknown = ("conductivity", "volumetric_heat_capacity", "convection")
-    asked = {
-        "unknown": unknown,
-        "initial": {"conductivity": 0.8},
-        "meshing": Meshing(order=1, max_nodes=1000, cache=tmp_path / "meshes"),
-        "stepping": Stepping(tolerance=0.1, rtol=1e-9),
-    }
-    cooling = spectrum(sensitivity(block, runs=("cooling",), **asked))
+    body = ("conductivity", "volumetric_heat_capacity", "convection")
+    every = sensitivity(
+        block,
+        runs=("cooling", "lamp"),
+        unknown=body,
+        scales=("heater_power",),
+        initial={"conductivity": 0.8},
+        meshing=Meshing(order=1, max_nodes=1000, cache=tmp_path / "meshes"),
+        stepping=Stepping(tolerance=0.1, rtol=1e-9),
+    )
+    assert every.values[0] == pytest.approx(0.8) and every.values[-1] == 1.0
+    cooling = spectrum(part(every, ("cooling",), body))
     (one,) = cooling.undetermined()
-    assert one.weights == pytest.approx(dict.fromkeys(unknown, 1.0), abs=1e-4)
+    assert one.weights == pytest.approx(dict.fromkeys(body, 1.0), abs=1e-4)
     assert "only their ratios are determined" in one.words()
     # With a tight solver the data see nothing of it, to the square of its error.
     assert cooling.eigenvalues[-1] < 1e-10 * cooling.eigenvalues[0]
-    both = spectrum(sensitivity(block, runs=("cooling", "lamp"), **asked))
+    both = spectrum(part(every, ("cooling", "lamp"), body))
     assert both.undetermined() == [] and both.deviation().max() < 0.05
+    told = identifiability(every)
+    (one,) = told.free
+    assert one.weights == pytest.approx(dict.fromkeys(every.names, 1.0), abs=1e-4)
+    assert {item.verdict for item in told.findings} == {"not_identified"}
+    dark = spectrum(part(every, ("cooling",), ("conductivity", "heater_power")))
+    assert [one.words() for one in dark.undetermined()] == ["heater_power is not determined"]

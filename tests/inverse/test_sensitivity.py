@@ -36,29 +36,46 @@ RUNS = ("lamp", "cooling")
 def test_slopes_are_differences_of_simulations(scene: Scene, meshing: Meshing) -> None:
     # At the usual tolerance the solver's own error, over the width of the difference, is seen.
     stepping, initial = Stepping(tolerance=0.02, rtol=1e-8), {"conductivity": VALUE}
-    found = sensitivity(scene, runs=RUNS, initial=initial, meshing=meshing, stepping=stepping)
+    found = sensitivity(
+        scene, runs=RUNS, initial=initial, meshing=meshing, stepping=stepping,
+        scales=("heater_power", "camera_emissivity"),
+    )  # fmt: skip
+    assert found.names == ("conductivity", "heater_power", "camera_emissivity")
+    assert found.values == pytest.approx((VALUE, 1.0, 1.0))
     picked = tuple(scene.runs[name] for name in RUNS)
     how = (Uniform(), Adam(), Prior(), stepping, meshing, "none", initial, 0, 0.0)
     task = Task(scene, picked, ("conductivity",), *how)
     # On one mesh: simulations of their own would each be meshed for their own diffusivity.
     made = make_objective(task, prepare(task), meshing.order)
     objective = replace(made, cases=tuple(in_kelvin(case) for case in made.cases))
+    (group,) = objective.cases
 
     @eqx.filter_jit
-    def at(raw: jax.Array) -> tuple[jax.Array, jax.Array]:
+    def at(raw: jax.Array, power: jax.Array) -> tuple[jax.Array, jax.Array]:
         field = objective.fields["conductivity"].with_parameters(raw)
-        return residual(objective, {"conductivity": raw}), jnp.log(field.control_values())
+        under = replace(group.under, power=group.under.power * power)
+        changed = replace(objective, cases=(replace(group, under=under),))
+        value = residual(changed, {"conductivity": raw})[: group.data.size]
+        return value.reshape(group.data.shape), jnp.log(field.control_values())
 
-    (raw,) = start(objective).values()
-    (more, above), (less, below) = at(raw + 1e-3), at(raw - 1e-3)
-    wanted = np.asarray((more - less) / (above - below)[0])
+    (raw,), one, shift = start(objective).values(), jnp.ones(()), 1e-3
+    (more, above), (less, below) = at(raw + shift, one), at(raw - shift, one)
+    (bright, _), (dim, _), (here, _) = at(raw, one + shift), at(raw, one - shift), at(raw, one)
+    # What is read above the temperature that the body reflects.
+    over = (here + group.data - group.under.surroundings[:, None, None]) * group.used
+    columns = [(more - less) / (above - below)[0], (bright - dim) / (2 * shift), over]
+    wanted = np.stack([np.asarray(column) for column in columns], -1)
     for number, name in enumerate(RUNS):
-        slope = found.slopes[name][..., 0]
-        place = objective.sequence.index(number)
-        shape = objective.cases[0].data.shape
-        mine = wanted[: np.prod(shape)].reshape(shape)[place]
-        assert np.abs(slope - mine[:, : slope.shape[1]]).max() < 1e-5 * np.abs(slope).max()
-    assert found.names == ("conductivity",)
+        slope, mine = found.slopes[name], wanted[objective.sequence.index(number)]
+        apart = np.abs(slope - mine[:, : slope.shape[1]]).max((0, 1))
+        assert np.all(apart <= 1e-5 * np.abs(slope).max((0, 1)))
+    assert not np.any(found.slopes["cooling"][..., 1]), "a lamp that is off has no power"
+
+
+def test_a_factor_that_is_not_known_is_refused(scene: Scene) -> None:
+    with pytest.raises(InputError) as caught:
+        sensitivity(scene, scales=("clock",))
+    assert caught.value.where == "scales" and "heater_power" in caught.value.limit
 
 
 def test_patches_share_the_slope_of_the_whole(block: Path, meshing: Meshing) -> None:

@@ -3,6 +3,8 @@
 from thermo.identify._collinearity import Alike, alike
 from thermo.identify._combination import Combination
 from thermo.identify._expected_error import ExpectedError, expected_errors
+from thermo.identify._finding import Finding, Verdict, findings
+from thermo.identify._identifiability import Identifiability, identifiability
 from thermo.identify._path import Model
 from thermo.identify._profile import Profile, profile
 from thermo.identify._spectrum import Spectrum, spectrum
@@ -12,12 +14,17 @@ __all__ = [
     "Alike",
     "Combination",
     "ExpectedError",
+    "Finding",
+    "Identifiability",
     "Model",
     "Profile",
     "Spectrum",
     "VarianceSplit",
+    "Verdict",
     "alike",
     "expected_errors",
+    "findings",
+    "identifiability",
     "profile",
     "spectrum",
     "split_variance",

@@ -42,8 +42,9 @@ def expected_errors(at: Sensitivity, *, model_error: float = 0.01) -> list[Expec
 
     cov(log phi) = A^-1 B A^-1,  A = sum J'J / s^2,  B = sum J'CJ / s^4,  s^2 = noise^2 + model^2.
 
-    C holds `noise`^2 for each reading by itself, and `model`^2 for an error of the simulation that
-    stays the same over all frames of a sample: such errors do not average out over time.
+    C holds `noise`^2 for each reading by itself, and for what stays the same over all frames of a
+    sample `model`^2, for an error of the simulation, and `staying`^2: such errors do not average
+    out over time.
 
     Arguments:
 
@@ -70,7 +71,8 @@ def expected_errors(at: Sensitivity, *, model_error: float = 0.01) -> list[Expec
         over_time = slopes.sum(0)
         information += each / variance
         repeated = over_time.T @ over_time
-        spread += (noise**2 * each + model_error**2 * repeated) / variance**2
+        stays = model_error**2 + at.staying.get(run, 0.0) ** 2
+        spread += (noise**2 * each + stays * repeated) / variance**2
         square += np.diagonal(each)
         readings += slopes.shape[0] * slopes.shape[1]
     deviation = _deviations(information, spread)

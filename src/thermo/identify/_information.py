@@ -21,12 +21,12 @@ def check_model_error(model_error: float) -> None:
 def information(at: Sensitivity, model_error: float) -> Float[np.ndarray, "unknowns unknowns"]:
     """J' C^-1 J of all runs, for unknowns log(phi) [1].
 
-    C is the covariance of the readings: `noise`^2 for each by itself, and `model_error`^2 for an
-    error that stays the same over all frames of a sample, so that
+    C is the covariance of the readings: `noise`^2 for each by itself, and `model_error`^2 and
+    `staying`^2 for an error that stays the same over all frames of a sample, so that
 
         J'C^-1 J = 1/noise^2 sum over samples (sum_t J_t'J_t - m s's),   s = sum_t J_t,
 
-    with m = model^2 / (noise^2 + frames model^2).
+    with m = stays^2 / (noise^2 + frames stays^2), stays^2 = model_error^2 + staying^2.
 
     Arguments: `at`: slopes of the temperatures [K]; `model_error` [K].
 
@@ -38,7 +38,8 @@ def information(at: Sensitivity, model_error: float) -> Float[np.ndarray, "unkno
         noise = at.noise[run]
         each = np.einsum("tsi,tsj->ij", slopes, slopes)
         over_time = slopes.sum(0)
-        share = model_error**2 / (noise**2 + len(slopes) * model_error**2)
+        stays = model_error**2 + at.staying.get(run, 0.0) ** 2
+        share = stays / (noise**2 + len(slopes) * stays)
         total += (each - share * over_time.T @ over_time) / noise**2
     return total
 

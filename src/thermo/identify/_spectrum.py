@@ -13,7 +13,7 @@ from thermo.errors import InputError
 from thermo.fields import QUANTITIES
 from thermo.identify._combination import Combination, combinations
 from thermo.identify._information import information, numbered
-from thermo.inverse import Sensitivity
+from thermo.inverse import SCALES, Sensitivity
 
 _ROUNDING: Final = 1e-12
 """Eigenvalues below this share of the largest are rounding [1]."""
@@ -123,7 +123,7 @@ def _prior(names: tuple[str, ...], stated: Mapping[str, float]) -> Float[np.ndar
         )  # fmt: skip
 
     def even(name: str) -> float:
-        quantity = QUANTITIES[name]
+        quantity = QUANTITIES[name] if name in QUANTITIES else SCALES[name]
         return float(np.log(quantity.upper / quantity.lower) / np.sqrt(12))
 
     return np.array([stated.get(name) or even(name) for name in names])

@@ -30,12 +30,14 @@ from thermo.inverse._log_model import LogModel, log_model
 from thermo.inverse._objective import Objective, residual
 from thermo.inverse._optimiser import AbstractOptimiser
 from thermo.inverse._predict import PREDICTION_NODES, predict, simulate
+from thermo.inverse._scale import SCALES, Scale
 from thermo.inverse._sensitivity import Sensitivity, sensitivity
 from thermo.inverse._stepping import Stepping
 from thermo.inverse._task import Prior
 
 __all__ = [
     "PREDICTION_NODES",
+    "SCALES",
     "SCANNED_CONDUCTIVITIES",
     "AbstractFieldChoice",
     "AbstractOptimiser",
@@ -57,6 +59,7 @@ __all__ = [
     "Prior",
     "RecoveredField",
     "RunFit",
+    "Scale",
     "Scores",
     "Sensitivity",
     "Stepping",

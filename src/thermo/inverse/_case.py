@@ -45,7 +45,9 @@ class Case(eqx.Module):
         return self.trust[..., None, None] * self.used / jnp.sqrt(self.errors.variance())
 
 
-def _staying(run: Run, noise: Noise) -> tuple[np.ndarray, np.ndarray]:
+def constant_error(
+    run: Run, noise: Noise
+) -> tuple[Float[np.ndarray, " samples"], Float[np.ndarray, " samples"]]:
     """Constant error [K] of each sample, from its quiet frames, and the variance of that [K2]."""
     quiet, samples = run.recording.quiet, len(run.recording.points)
     if quiet is None or len(quiet) < 3:
@@ -86,7 +88,7 @@ def make_case(
     readout, _ = bind(recording, space.mesh, where=where)
     frames = np.searchsorted(recording.time, np.asarray(grid.frame_time) - 1e-9)
     noise = estimate_noise(recording)
-    offset, staying = _staying(run, noise)
+    offset, staying = constant_error(run, noise)
     data = jnp.asarray(recording.temperature[frames] - offset)
     fades = noise.correlation > 0
     own = float(model_error) ** 2 + (0.0 if fades else noise.white**2)

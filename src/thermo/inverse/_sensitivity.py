@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import final
 
@@ -16,7 +16,7 @@ from jaxtyping import Array, Float
 from thermo._compiled import make_room
 from thermo.errors import InputError
 from thermo.inverse._body import Meshing
-from thermo.inverse._case import in_kelvin
+from thermo.inverse._case import constant_error, in_kelvin
 from thermo.inverse._field_choice import AbstractFieldChoice, Uniform
 from thermo.inverse._first_order import Adam
 from thermo.inverse._objective import (
@@ -27,6 +27,7 @@ from thermo.inverse._objective import (
     start,
     with_fields,
 )
+from thermo.inverse._scale import SCALES, scale_slopes
 from thermo.inverse._stages import make_objective
 from thermo.inverse._stepping import Stepping
 from thermo.inverse._task import Prior, Task, prepare, what_is_asked
@@ -38,16 +39,20 @@ from thermo.observe import Scene, estimate_noise
 class Sensitivity:
     """Derivatives of the temperatures by the logarithms of the unknowns' values at their controls.
 
-    - `names`: quantity of each column, (unknowns,).
+    - `names`: quantity or factor of each column, (unknowns,).
     - `slopes`: by run, dT / d log(phi), (frames, samples, unknowns) [K]; zero without a reading.
     - `noise`: by run, standard deviation of a reading, wider where frames are correlated [K].
     - `accuracy`: tolerance of the solver that the slopes come from, relative [1].
+    - `staying`: by run, standard deviation of what is not known of a sample's constant error [K].
+    - `values`: of the unknowns, where the slopes were taken, (unknowns,) [SI].
     """
 
     names: tuple[str, ...]
     slopes: dict[str, Float[np.ndarray, "frames samples unknowns"]]
     noise: dict[str, float]
     accuracy: float = 0.0
+    staying: dict[str, float] = field(default_factory=dict)
+    values: tuple[float, ...] = ()
 
 
 def sensitivity(
@@ -60,13 +65,17 @@ def sensitivity(
     meshing: Meshing | None = None,
     initial: dict[str, float] | None = None,
     seed: int = 0,
+    scales: tuple[str, ...] = (),
 ) -> Sensitivity:
     """Slopes of the recorded temperatures [K] at the values that the scene states.
 
-    Arguments as for `invert`; `choice` is one value for the body by default. The temperatures of
-    the recordings are not used, unless a conductivity that nobody states is to be found: then to
-    choose one roughly. Raises `InputError` as `invert` does.
+    Arguments as for `invert`; `choice` is one value for the body by default. `scales` are factors
+    that may be wrong as well [1]: "heater_power", on the power of all lamps, and
+    "camera_emissivity", on what is read above the temperature that the body reflects. The
+    temperatures of the recordings are not used, unless a conductivity that nobody states is to be
+    found: then to choose one roughly. Raises `InputError` as `invert` does.
     """
+    _check_scales(scales)
     task = unfitted(
         data, runs, unknown, choice or Uniform(), Prior(), stepping, meshing, initial,
         seed=seed, model_error=0.0,
@@ -77,7 +86,19 @@ def sensitivity(
     # Asked first: the Jacobian by the many weights of a network would take for ever.
     change = logarithm_slopes(objective, here, type(task.choice).__name__)
     _, matrix = eqx.filter_jit(jacobian)(objective, here)
-    return _by_run(objective, np.asarray(matrix) @ np.linalg.inv(change), task)
+    count = sum(case.data.size for case in objective.cases)
+    columns = [np.asarray(matrix)[:count] @ np.linalg.inv(change)]
+    columns += [np.asarray(scale_slopes(objective, name))[:, None] for name in scales]
+    return _by_run(objective, np.concatenate(columns, 1), task, scales)
+
+
+def _check_scales(scales: tuple[str, ...]) -> None:
+    for name in scales:
+        if name not in SCALES:
+            raise InputError(
+                "there is no such factor", where="scales", value=name, limit=", ".join(SCALES),
+                remedy="leave it out",
+            )  # fmt: skip
 
 
 def unfitted(
@@ -125,8 +146,10 @@ def logarithm_slopes(
     return np.asarray(jax.jacfwd(logarithms)(flat))
 
 
-def _by_run(objective: Objective, matrix: np.ndarray, task: Task) -> Sensitivity:
-    slopes, noise = {}, {}
+def _by_run(
+    objective: Objective, matrix: np.ndarray, task: Task, scales: tuple[str, ...]
+) -> Sensitivity:
+    slopes, noise, staying = {}, {}, {}
     for number, part, weight in run_parts(objective):
         run = task.runs[number]
         here = matrix[part].reshape(*weight.shape, -1)
@@ -134,6 +157,14 @@ def _by_run(objective: Objective, matrix: np.ndarray, task: Task) -> Sensitivity
         found = estimate_noise(run.recording)
         wider = (1 + found.correlation) / (1 - found.correlation)
         noise[run.name] = float(found.white * np.sqrt(wider))
-    sizes = [(name, field.control_values().size) for name, field in objective.fields.items()]
-    columns = tuple(name for name, size in sizes for _ in range(size))
-    return Sensitivity(columns, slopes, noise, task.stepping.rtol)
+        staying[run.name] = float(np.sqrt(np.mean(constant_error(run, found)[1])))
+    values = {name: one.control_values() for name, one in objective.fields.items()}
+    columns = tuple(name for name, each in values.items() for _ in range(each.size))
+    return Sensitivity(
+        names=(*columns, *scales),
+        slopes=slopes,
+        noise=noise,
+        accuracy=task.stepping.rtol,
+        staying=staying,
+        values=(*(float(one) for each in values.values() for one in each), *(1.0 for _ in scales)),
+    )

@@ -14,6 +14,7 @@ from ._heater import Heater
 from ._kelvin import COLDEST, HOTTEST
 from ._noise import Noise, estimate_noise
 from ._prescribed import Prescribed, read_history
+from ._quiet_check import QuietCheck, check_quiet
 from ._recording import Recording
 from ._recording_read import read_recording
 from ._recording_write import write_recording
@@ -29,12 +30,14 @@ __all__ = [
     "Heater",
     "Noise",
     "Prescribed",
+    "QuietCheck",
     "Recording",
     "Run",
     "Scene",
     "StatedMaterial",
     "bind",
     "check_distance",
+    "check_quiet",
     "estimate_noise",
     "read_history",
     "read_recording",

@@ -14,6 +14,11 @@ from ._table import table
 from ._text import write_text
 from ._versions import versions
 from ._vtk import write_pvd, write_vtu
+from ._write_identifiability import (
+    identifiability_record,
+    identifiability_table,
+    write_identifiability,
+)
 from ._write_inversion import inversion_record, inversion_table, write_inversion
 from ._write_prediction import prediction_table, write_predictions
 
@@ -27,12 +32,15 @@ __all__ = [
     "figure_residuals",
     "figure_robustness",
     "figure_transfer",
+    "identifiability_record",
+    "identifiability_table",
     "inversion_record",
     "inversion_table",
     "prediction_table",
     "require_writable",
     "table",
     "versions",
+    "write_identifiability",
     "write_inversion",
     "write_json",
     "write_npz",

@@ -18,6 +18,7 @@ _DISTRIBUTIONS = (
     "trimesh",
     "pytetwild",
     "meshio",
+    "plotly",
     "hydra-core",
 )
 

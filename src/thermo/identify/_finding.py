@@ -1,0 +1,107 @@
+"""A verdict on each unknown, from the spectrum of what the data say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, Literal, final
+
+import numpy as np
+
+from thermo.errors import InputError
+from thermo.fields import QUANTITIES
+from thermo.identify._spectrum import Spectrum
+from thermo.inverse import SCALES, Sensitivity
+
+Verdict = Literal["identified", "weak", "not_identified", "at_bound"]
+"""What is said of an unknown."""
+
+NORMAL: Final = 1.959963984540054
+"""Half-width of a 95 % interval of a normal distribution, in standard deviations [1]."""
+
+FACTOR_TWO: Final = float(np.log(2.0))
+"""Half-width of log(phi) [1] beyond which a value is not known to a factor of two."""
+
+_AT_BOUND: Final = 1e-3
+"""Distance of log(phi) from a bound [1] at which a value stands on it."""
+
+
+@final
+@dataclass(frozen=True)
+class Finding:
+    """What data and prior say of one unknown.
+
+    - `name`; `unit`; `value` in it, for several values of one quantity their geometric mean.
+    - `relative`: standard deviation of log(value) [1]; `sd`: of the value, `value * relative`.
+    - `interval95`: of the value, within its bounds, in its unit.
+    - `informed`: share of the prior's variance that the data take away [1].
+    - `verdict`: "identified" where the data lead and the 95 % interval stays within what is
+      wanted; "weak" where it is wider and yet within a factor of two, and the data lead;
+      "at_bound" where the value stands on a bound; else "not_identified".
+    """
+
+    name: str
+    unit: str
+    value: float
+    relative: float
+    sd: float
+    interval95: tuple[float, float]
+    informed: float
+    verdict: Verdict
+
+
+def findings(at: Sensitivity, found: Spectrum, *, wanted: float = 0.1) -> list[Finding]:
+    """A verdict on each unknown.
+
+    Arguments:
+
+    - `at`: slopes [K], with the values where they were taken; `found`: their spectrum [1].
+    - `wanted`: half-width of the 95 % interval of log(value) that counts as known [1].
+
+    A value that the prior alone makes narrow is not identified: the data must take away at least
+    half of its variance, and more than half of what is left must be the data's own noise and not
+    a direction that is the prior's.
+
+    Raises `InputError` where `wanted` is not above 0.
+    """
+    if not (np.isfinite(wanted) and wanted > 0):
+        raise InputError(
+            "an interval cannot be this narrow", where="wanted", value=wanted,
+            limit="a finite number above 0", remedy="give 0.1 for 10 %",
+        )  # fmt: skip
+    return [_finding(at, found, name, wanted) for name in dict.fromkeys(at.names)]
+
+
+def _finding(at: Sensitivity, found: Spectrum, name: str, wanted: float) -> Finding:
+    mine = np.array([other == name for other in at.names])
+    mean = mine / mine.sum()
+    known, along = found.known(), mean @ found.directions
+    before, after = float(np.sum(along**2)), float(np.sum(along**2 * (1 - known)))
+    led = np.arange(len(known)) < found.data_led()
+    prior_left = float(np.sum((along**2 * (1 - known))[~led])) / after
+    bounds = QUANTITIES[name] if name in QUANTITIES else SCALES[name]
+    unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
+    middle = float(mean @ np.log(at.values))
+    relative, informed = float(np.sqrt(after)), 1 - after / before
+    low, high = np.log([bounds.lower, bounds.upper])
+    ends = np.exp(np.clip([middle - NORMAL * relative, middle + NORMAL * relative], low, high))
+    return Finding(
+        name=name,
+        unit=unit,
+        value=float(np.exp(middle)),
+        relative=relative,
+        sd=float(np.exp(middle)) * relative,
+        interval95=(float(ends[0]), float(ends[1])),
+        informed=informed,
+        verdict=_verdict(
+            NORMAL * relative, wanted, informed > 0.5 and prior_left < 0.5,
+            bool(min(middle - low, high - middle) < _AT_BOUND),
+        ),
+    )  # fmt: skip
+
+
+def _verdict(half: float, wanted: float, led: bool, on_bound: bool) -> Verdict:
+    if on_bound:
+        return "at_bound"
+    if not led or half > max(FACTOR_TWO, wanted):
+        return "not_identified"
+    return "identified" if half <= wanted else "weak"

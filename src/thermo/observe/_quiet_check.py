@@ -1,0 +1,112 @@
+"""Whether quiet frames are as the noise estimate takes them to be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+from jaxtyping import Float
+
+from ._noise import Noise
+from ._recording import Recording
+
+LEAST_FRAMES: Final = 8
+"""Quiet frames [1] below which nothing is said."""
+
+LEAST_SAMPLES: Final = 8
+"""Samples [1] below which nothing is said."""
+
+_FAR: Final = 5.0
+
+
+@final
+@dataclass(frozen=True)
+class QuietCheck:
+    """What quiet frames say of the noise model that was estimated from them.
+
+    - `z`: by how many standard errors the mean square difference over three frames is not that of
+      a first-order autoregressive fluctuation, which those over one and two frames foretell [1].
+    - `frame_offset`: standard deviation of what all samples of a frame have in common [K], zero
+      where none shows.
+    - `far`: share of readings further than five standard deviations from their sample's mean [1].
+    """
+
+    z: float
+    frame_offset: float
+    far: float
+
+    def words(self) -> str:
+        """A sentence for each thing that is not as it should be, or that all is."""
+        found = []
+        if abs(self.z) > 3:
+            found.append(
+                f"The fluctuation is not first-order autoregressive ({self.z:.1f} standard errors)."
+            )
+        if self.frame_offset > 0:
+            found.append(
+                f"Whole frames are off by {self.frame_offset:.2g} K, which fits do not allow for."
+            )
+        if self.far > 1e-3:
+            found.append(f"{100 * self.far:.2g} % of the readings lie far out, which no fit drops.")
+        return " ".join(found) or "The quiet frames are as the noise model has them."
+
+
+def check_quiet(recording: Recording, noise: Noise) -> QuietCheck | None:
+    """Test the noise model [K] on the quiet frames; None where they are too few.
+
+    With d1, d2, d3 the mean square differences over one, two and three frames, such a fluctuation
+    has d3 = d1 (1 + r + r^2), r = d2/d1 - 1. The standard error of the difference comes from
+    leaving out one sample at a time, so samples are taken as independent.
+
+    Source: the jackknife of Quenouille and Tukey; Efron and Stein, Ann. Statist. 9 (1981) 586.
+    """
+    quiet = recording.quiet
+    if quiet is None:
+        return None
+    quiet = quiet[np.isfinite(quiet).any(1)][:, np.isfinite(quiet).any(0)]
+    if len(quiet) < LEAST_FRAMES or quiet.shape[1] < LEAST_SAMPLES:
+        return None
+    sums = np.stack([_squares(quiet, lag) for lag in (1, 2, 3)])
+    whole = sums.sum(-1)
+    if np.any(whole[:, 1] == 0) or whole[0, 0] == 0:
+        return None
+    apart = _apart(whole)
+    each = np.array([_apart(whole - sums[:, :, one]) for one in range(sums.shape[-1])])
+    count = len(each)
+    error = float(np.sqrt((count - 1) / count * np.sum((each - each.mean()) ** 2)))
+    centred = quiet - np.nanmean(quiet, axis=0)
+    known = np.isfinite(centred)
+    far = np.abs(centred[known]) > _FAR * noise.white
+    return QuietCheck(
+        z=apart / error if error > 0 else 0.0,
+        frame_offset=_frame_offset(centred, noise),
+        far=float(np.mean(far)),
+    )
+
+
+def _squares(quiet: Float[np.ndarray, "quiet samples"], lag: int) -> Float[np.ndarray, "2 samples"]:
+    """Sum [K2] and number [1] of squared differences over a lag, by sample."""
+    difference = quiet[lag:] - quiet[:-lag]
+    known = np.isfinite(difference)
+    return np.stack([np.sum(np.where(known, difference, 0.0) ** 2, 0), known.sum(0)])
+
+
+def _apart(sums: Float[np.ndarray, "3 2"]) -> float:
+    """By how much d3/d1 is not what d1 and d2 foretell [1]."""
+    one, two, three = sums[:, 0] / sums[:, 1]
+    r = two / one - 1
+    return float(three / one - (1 + r + r**2))
+
+
+def _frame_offset(centred: Float[np.ndarray, "quiet samples"], noise: Noise) -> float:
+    """Deviation of the frames' common error [K], where it is more than chance makes of none."""
+    frames, samples = centred.shape
+    common = np.nanmean(centred, axis=1)
+    change = np.diff(common)
+    variance = float(np.mean(change**2)) / 2
+    own = noise.white**2 * (1 - noise.correlation) / samples
+    # Mean squares of n differences scatter by about sqrt(3 / n) of themselves; four times that.
+    if variance < own * (1 + 4 * np.sqrt(3 / (frames - 1))):
+        return 0.0
+    return float(np.sqrt(variance - own))

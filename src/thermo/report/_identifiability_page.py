@@ -1,0 +1,150 @@
+"""One page in HTML, without a network, on what the data identify; rendered from its JSON alone."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from plotly.graph_objects import Figure
+from plotly.offline import get_plotlyjs
+
+from ._identifiability_plots import correlations, profile, response, shares, spectrum
+
+_STYLE = """
+body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 60rem; margin: 2rem auto;
+  padding: 0 1rem; }
+h1 { font-size: 1.6rem; } h2 { font-size: 1.2rem; margin-top: 2rem; }
+table { border-collapse: collapse; width: 100%; font-size: 0.9rem; }
+th, td { text-align: left; padding: 0.3rem 0.6rem; border-bottom: 1px solid #ddd; }
+.identified { color: #1b6e3c; } .weak { color: #8a5a00; }
+.not_identified, .at_bound { color: #a3242b; }
+.plot { break-inside: avoid; }
+@media print { body { max-width: none; font-size: 11pt; } .modebar { display: none; } }
+"""
+
+Record = Mapping[str, Any]
+
+
+def identifiability_page(record: Record, title: str) -> str:
+    """The page of an analysis [SI]; `record` is what `identifiability.json` holds."""
+    left = _list(record["left_out"] or ["Nothing."], "left-out")
+    made_with = ", ".join(f"{name} {value}" for name, value in record["versions"].items())
+    parts = [
+        f"<h1>{html.escape(title)}</h1>",
+        _list(record["sentences"], "verdicts"),
+        _section("Parameters", "parameters", _parameters(record)),
+        _section("What cannot be known", "unknown", _free(record)),
+        _section("Noise", "noise", _noise(record)),
+        _section("Directions", "directions", _plots(_directions(record), "directions")),
+        *_profiles(record),
+        _section("Where the readings respond", "maps", _plots(_maps(record), "maps")),
+        _section("What was left out", "left", left),
+        _section("Made with", "versions", html.escape(made_with)),
+    ]
+    return (
+        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+        f'<meta name="viewport" content="width=device-width">'
+        f'<link rel="icon" href="data:,">'
+        f"<title>{html.escape(title)}</title><style>{_STYLE}</style>"
+        f"<script>{get_plotlyjs()}</script></head>\n<body>\n"
+        + "\n".join(parts)
+        + "\n</body></html>\n"
+    )
+
+
+def _section(heading: str, name: str, body: str) -> str:
+    return f'<section id="{name}"><h2>{heading}</h2>\n{body}</section>'
+
+
+def _list(lines: Sequence[str], name: str) -> str:
+    items = "".join(f"<li>{html.escape(line)}</li>" for line in lines)
+    return f'<ul class="{name}">{items}</ul>'
+
+
+def _table(header: Sequence[str], rows: Sequence[Sequence[str]], kinds: Sequence[str]) -> str:
+    head = "".join(f"<th>{html.escape(word)}</th>" for word in header)
+    body = "".join(
+        f'<tr class="{kind}">' + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>"
+        for row, kind in zip(rows, kinds, strict=True)
+    )
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def _parameters(record: Record) -> str:
+    header = ["unknown", "value", "sd", "95 % interval", "profile", "informed by data", "verdict"]
+    found = record["parameters"]
+    rows = [
+        [
+            name,
+            f"{item['value']:.4g} {'' if item['unit'] == '1' else item['unit']}",
+            f"{item['sd']:.2g}",
+            " to ".join(f"{end:.4g}" for end in item["interval95"]),
+            _ends(item["profile"]),
+            f"{item['informed_by_data']:.3f}",
+            item["verdict"].replace("_", " "),
+        ]
+        for name, item in found.items()
+    ]
+    return _table(header, rows, [item["verdict"] for item in found.values()])
+
+
+def _ends(found: Record | None) -> str:
+    if found is None:
+        return "not made"
+    ends = ["not reached" if e is None else f"{e:.4g}" for e in (found["lower"], found["upper"])]
+    return f"{' to '.join(ends)} ({found['kind']})"
+
+
+def _free(record: Record) -> str:
+    found = [item["combination"] for item in record["null_directions"]]
+    return _list(found or ["The data lead in every direction."], "free")
+
+
+def _noise(record: Record) -> str:
+    header = ["run", "white [K]", "left in next frame", "offsets [K]", "unknown of these [K]",
+              "from", "tested on the quiet frames"]  # fmt: skip
+    rows = [
+        [
+            name,
+            *(f"{item[key]:.2g}" for key in ("white", "correlation", "offset", "staying")),
+            item["source"],
+            "not tested" if item["check"] is None else item["check"]["words"],
+        ]
+        for name, item in record["noise"].items()
+    ]
+    return _table(header, rows, ["run"] * len(rows))
+
+
+def _directions(record: Record) -> list[Figure]:
+    return [
+        shares(record["parameters"]),
+        spectrum(record["spectrum"]),
+        correlations(record["spectrum"]),
+    ]
+
+
+def _profiles(record: Record) -> list[str]:
+    made = {n: item for n, item in record["parameters"].items() if item["profile"] is not None}
+    if not made:
+        return []
+    figures = [profile(name, item["profile"], item["unit"]) for name, item in made.items()]
+    return [_section("Profiles", "profiles", _plots(figures, "profiles"))]
+
+
+def _maps(record: Record) -> list[Figure]:
+    return [response(name, item) for name, item in record["maps"].items()]
+
+
+def _plots(figures: Sequence[Figure], name: str) -> str:
+    return "\n".join(
+        '<div class="plot">'
+        + figure.to_html(
+            full_html=False,
+            include_plotlyjs=False,
+            div_id=f"{name}-{number}",
+            config={"displaylogo": False, "responsive": True},
+        )
+        + "</div>"
+        for number, figure in enumerate(figures)
+    )

@@ -1,0 +1,104 @@
+"""`thermo identify` from end to end: before a fit, after one, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from .conftest import Command
+
+MESH = ("mesh=tet4", "mesh.max_nodes=1500", "integrator.tolerance=0.1")
+UNKNOWN = "unknown=[conductivity,volumetric_heat_capacity,convection]"
+
+
+def record(folder: Path) -> dict[str, Any]:
+    return json.loads((folder / "identifiability.json").read_text())
+
+
+def test_before_a_fit_cooling_alone_is_told_to_know_ratios_only(
+    command: Command, block: Path, cache: str, tmp_path: Path
+) -> None:
+    out = tmp_path / "before"
+    outcome = command(
+        "identify", f"data={block}", "runs=[cooling]", UNKNOWN, "initial.conductivity=0.8",
+        f"out={out}", cache, *MESH,
+    )  # fmt: skip
+    assert outcome.code == 0, outcome.err
+    found = record(out)
+    assert {item["verdict"] for item in found["parameters"].values()} == {"not_identified"}
+    (free,) = found["null_directions"]
+    assert "only their ratios are determined" in free["combination"]
+    assert "only their ratios are determined" in outcome.out
+    assert found["before_fit"] is True and list(found["noise"]) == ["cooling"]
+    assert any("they take a fit" in line for line in found["left_out"])
+    assert (out / "identifiability.html").stat().st_size > 1e6
+    assert str(out / "identifiability.html") in outcome.out
+
+
+def test_after_a_fit_its_runs_unknowns_and_values_are_looked_at(
+    command: Command, fit: Path, block: Path, cache: str, tmp_path: Path
+) -> None:
+    out = tmp_path / "after"
+    outcome = command(
+        "identify", f"data={block}", f"estimate={fit}", f"out={out}", "spread.conductivity=0.5",
+        "budget=600", cache, *MESH,
+    )  # fmt: skip
+    assert outcome.code == 0, outcome.err
+    found = record(out)
+    fitted = json.loads((fit / "result.json").read_text())["fields"]["conductivity"]["median"]
+    (item,) = found["parameters"].values()
+    assert item["value"] == pytest.approx(fitted) and item["verdict"] == "identified"
+    assert set(found["noise"]) == {"lamp", "cooling"}
+    assert found["spectrum"]["prior"] == [0.5] and found["before_fit"] is False
+    assert item["profile"]["kind"] == "bounded"
+    # The fit stopped after three steps; the profile goes to the optimum.
+    assert item["profile"]["lower"] < item["profile"]["best"] < item["profile"]["upper"]
+
+
+def test_a_spent_budget_leaves_the_rest_and_says_so(
+    command: Command, fit: Path, block: Path, cache: str, tmp_path: Path
+) -> None:
+    out = tmp_path / "short"
+    words = ("identify", f"data={block}", f"estimate={fit}", f"out={out}", cache, *MESH)
+    assert command(*words, "budget=1e-6").code == 0
+    found = record(out)
+    assert found["parameters"]["conductivity"]["profile"] is None
+    assert any("raise budget" in line for line in found["left_out"])
+
+
+@pytest.mark.parametrize(
+    ("words", "parts"),
+    [
+        (["unknown=[heat]"], ["unknown", "heat"]),
+        (["wanted=0"], ["wanted", "0"]),
+        (["budget=long"], ["budget", "long"]),
+        (["spread.heat=0.1"], ["heat"]),
+        (["spread.convection=0.1"], ["spread.convection", "conductivity"]),
+        (["spread.conductivity=-1"], ["spread.conductivity", "-1"]),
+        (["field=network"], ["choice"]),
+    ],
+)
+def test_what_cannot_be_asked_is_refused(
+    words: list[str], parts: list[str], command: Command, block: Path, cache: str, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    outcome = command("identify", f"data={block}", f"out={out}", cache, *MESH, *words)
+    assert outcome.code == 2 and all(part in outcome.err for part in parts), outcome.err
+    assert not out.exists() or list(out.iterdir()) == []
+
+
+@pytest.mark.parametrize("kind", ["missing", "damaged", "other"])
+def test_a_folder_without_a_fit_is_refused(
+    kind: str, command: Command, block: Path, tmp_path: Path
+) -> None:
+    folder = tmp_path / "fit"
+    folder.mkdir()
+    if kind != "missing":
+        text = "{" if kind == "damaged" else json.dumps({"verb": "predict"})
+        (folder / "result.json").write_text(text)
+    outcome = command("identify", f"data={block}", f"estimate={folder}", f"out={tmp_path / 'out'}")
+    assert outcome.code == 2 and "no finished fit" in outcome.err, outcome.err
+    assert str(folder / "result.json") in outcome.err

@@ -1,0 +1,144 @@
+"""The record and the page of an analysis, and the page in a real browser."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from thermo.identify import identifiability, profile
+from thermo.inverse import Sensitivity
+from thermo.observe import Recording, Run
+from thermo.report import (
+    identifiability_record,
+    identifiability_table,
+    write_identifiability,
+)
+
+NAMES = ("conductivity", "convection", "emissivity")
+FRAMES, SAMPLES = 12, 40
+VERDICTS = {"identified", "weak", "not_identified", "at_bound"}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An analysis of two unknowns that hide behind each other, and of one that does not."""
+    random = np.random.default_rng(0)
+    points = random.uniform(-0.01, 0.01, (SAMPLES, 3))
+    quiet = 295.0 + 0.05 * random.standard_normal((25, SAMPLES))
+    values = np.full((FRAMES, SAMPLES), 300.0)
+    record = Recording(points, np.arange(float(FRAMES)), values, quiet=quiet)
+    run = Run("lamp", record, 295.0, 295.0, 295.0)
+    slopes = random.standard_normal((FRAMES, SAMPLES, 3))
+    slopes[..., 2] = slopes[..., 0]
+    at = Sensitivity(
+        NAMES, {run.name: slopes}, {run.name: 0.05}, staying={run.name: 0.01},
+        values=(0.8, 20.0, 0.5),
+    )  # fmt: skip
+    matrix = slopes.reshape(-1, 3)[:, [1]] / 0.05
+    made = profile(lambda u: (matrix @ (u - 3.0), matrix), np.array([3.0]), 0)
+    found = identifiability(at)
+    data = identifiability_record(found, at, [run], {"convection": made}, ["Basins & more"])
+    out = tmp_path_factory.mktemp("page")
+    write_identifiability(out, data, "A block <script>")
+    return out
+
+
+def test_the_record_keeps_the_contract(folder: Path) -> None:
+    record = json.loads((folder / "identifiability.json").read_text())
+    assert set(record["parameters"]) == set(NAMES)
+    for item in record["parameters"].values():
+        assert item["verdict"] in VERDICTS and 0 <= item["informed_by_data"] <= 1
+        low, high = item["interval95"]
+        assert low <= item["value"] <= high and item["sd"] > 0 and item["unit"]
+    (free,) = record["null_directions"]
+    assert set(free) == {"combination", "weights"}
+    assert free["weights"] == pytest.approx({"conductivity": 1.0, "emissivity": -1.0})
+    assert record["parameters"]["convection"]["verdict"] == "identified"
+    noise = record["noise"]["lamp"]
+    assert noise["white"] == pytest.approx(0.05, rel=0.1) and noise["staying"] == 0.01
+    assert noise["source"] == "quiet frames" and "as the noise model" in noise["check"]["words"]
+    found = record["parameters"]["convection"]["profile"]
+    assert found["kind"] == "bounded" and not found["nonlinear"]
+    assert found["lower"] == pytest.approx(found["linear"][0], rel=1e-6)
+    assert record["parameters"]["emissivity"]["profile"] is None
+    assert record["basins"] == [] and record["left_out"] == ["Basins & more"]
+    assert len(record["maps"]["lamp"]["points"]) == SAMPLES
+    assert "jax" in record["versions"]
+
+
+def test_the_table_names_each_unknown(folder: Path) -> None:
+    record = json.loads((folder / "identifiability.json").read_text())
+    said = identifiability_table(record)
+    assert all(name in said for name in NAMES) and "not_identified" in said
+
+
+class _Checker(HTMLParser):
+    """Ids of all elements, and addresses that a browser would fetch."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.ids: list[str] = []
+        self.fetched: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        for name, value in attrs:
+            if name == "id" and value:
+                self.ids.append(value)
+            if name in ("src", "href") and value and not value.startswith("data:"):
+                self.fetched.append(value)
+
+
+def test_the_page_is_whole_and_asks_for_nothing(folder: Path) -> None:
+    page = (folder / "identifiability.html").read_text("utf-8")
+    checker = _Checker()
+    checker.feed(re.sub(r"<script>.*?</script>", "", page, flags=re.DOTALL))
+    assert checker.fetched == []
+    wanted = {
+        "parameters",
+        "unknown",
+        "noise",
+        "directions",
+        "profiles",
+        "maps",
+        "left",
+        "versions",
+    }
+    assert wanted <= set(checker.ids) and {"maps-0", "directions-2", "profiles-0"} <= set(
+        checker.ids
+    )
+    assert len(checker.ids) == len(set(checker.ids))
+    shown = re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)
+    assert "A block &lt;script&gt;" in shown
+    assert "not made" in shown and "Basins &amp; more" in shown
+
+
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
+
+
+@pytest.mark.skipif(BROWSER is None, reason="Chromium is not installed")
+def test_a_browser_draws_the_page_without_errors(folder: Path, tmp_path: Path) -> None:
+    flags = (
+        "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-quic",
+        "--disable-background-networking", "--disable-component-update", "--disable-sync",
+        "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+        "--enable-logging=stderr", "--virtual-time-budget=20000", "--dump-dom",
+        f"--user-data-dir={tmp_path}",
+    )  # fmt: skip
+    page = (folder / "identifiability.html").as_uri()
+    assert BROWSER is not None
+    done = subprocess.run([BROWSER, *flags, page], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0
+    # Chromium logs errors of a page as it logs how fast its own drawing is.
+    said = [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+    slow = ("will-read-frequently", "GL Driver Message")
+    assert [line for line in said if not any(word in line for word in slow)] == []
+    # Three figures of directions and one profile as drawings, and one map of points.
+    assert done.stdout.count('class="main-svg"') >= 8 and "gl-container" in done.stdout
+    assert "<canvas" in done.stdout
