@@ -33,7 +33,7 @@ def test_before_a_fit_cooling_alone_is_told_to_know_ratios_only(
     assert "only their ratios are determined" in free["combination"]
     assert "only their ratios are determined" in outcome.out
     assert found["before_fit"] is True and list(found["noise"]) == ["cooling"]
-    assert any("they take a fit" in line for line in found["left_out"])
+    assert any("it takes a fit" in line for line in found["left_out"])
     assert (out / "identifiability.html").stat().st_size > 1e6
     assert str(out / "identifiability.html") in outcome.out
 
@@ -44,7 +44,7 @@ def test_after_a_fit_its_runs_unknowns_and_values_are_looked_at(
     out = tmp_path / "after"
     outcome = command(
         "identify", f"data={block}", f"estimate={fit}", f"out={out}", "spread.conductivity=0.5",
-        "budget=600", cache, *MESH,
+        "budget=600", "draws=2", "starts=[0.5]", cache, *MESH,
     )  # fmt: skip
     assert outcome.code == 0, outcome.err
     found = record(out)
@@ -55,6 +55,11 @@ def test_after_a_fit_its_runs_unknowns_and_values_are_looked_at(
     assert found["spectrum"]["prior"] == [0.5] and found["before_fit"] is False
     assert item["profile"]["kind"] == "bounded"
     # The fit stopped after three steps; the profile goes to the optimum.
+    assert [one["share"] for one in found["basins"]] == [1.0]
+    assert found["basins"][0]["values"]["conductivity"] == pytest.approx(
+        item["profile"]["best"], rel=1e-3
+    )
+    assert found["scatter"]["optimiser_share"][0] < 0.01
     assert item["profile"]["lower"] < item["profile"]["best"] < item["profile"]["upper"]
 
 
@@ -63,10 +68,11 @@ def test_a_spent_budget_leaves_the_rest_and_says_so(
 ) -> None:
     out = tmp_path / "short"
     words = ("identify", f"data={block}", f"estimate={fit}", f"out={out}", cache, *MESH)
-    assert command(*words, "budget=1e-6").code == 0
+    assert command(*words, "budget=1e-6", "starts=[]").code == 0
     found = record(out)
     assert found["parameters"]["conductivity"]["profile"] is None
     assert any("raise budget" in line for line in found["left_out"])
+    assert any("no starts" in line for line in found["left_out"])
 
 
 @pytest.mark.parametrize(
@@ -79,6 +85,8 @@ def test_a_spent_budget_leaves_the_rest_and_says_so(
         (["spread.convection=0.1"], ["spread.convection", "conductivity"]),
         (["spread.conductivity=-1"], ["spread.conductivity", "-1"]),
         (["field=network"], ["choice"]),
+        (["starts=[1,-2]"], ["starts", "-2"]),
+        (["draws=-1"], ["draws", "-1"]),
     ],
 )
 def test_what_cannot_be_asked_is_refused(

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from thermo.identify import identifiability, profile
+from thermo.identify import basins, identifiability, profile
 from thermo.inverse import Sensitivity
 from thermo.observe import Recording, Run
 from thermo.report import (
@@ -44,7 +44,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     matrix = slopes.reshape(-1, 3)[:, [1]] / 0.05
     made = profile(lambda u: (matrix @ (u - 3.0), matrix), np.array([3.0]), 0)
     found = identifiability(at)
-    data = identifiability_record(found, at, [run], {"convection": made}, ["Basins & more"])
+    whole = slopes.reshape(-1, 3) / 0.05
+    ends = basins(lambda u: (whole @ (u - 1.0), whole), np.array([[1.0] * 3, [2.0] * 3]), draws=9)
+    data = identifiability_record(found, at, [run], {"convection": made}, ends, ["Bands & more"])
     out = tmp_path_factory.mktemp("page")
     write_identifiability(out, data, "A block <script>")
     return out
@@ -68,7 +70,10 @@ def test_the_record_keeps_the_contract(folder: Path) -> None:
     assert found["kind"] == "bounded" and not found["nonlinear"]
     assert found["lower"] == pytest.approx(found["linear"][0], rel=1e-6)
     assert record["parameters"]["emissivity"]["profile"] is None
-    assert record["basins"] == [] and record["left_out"] == ["Basins & more"]
+    assert sum(item["share"] for item in record["basins"]) == pytest.approx(1.0)
+    assert record["basins"][0]["values"]["convection"] == pytest.approx(np.e, rel=1e-3)
+    assert record["scatter"]["draws"] == 9 and record["scatter"]["noise_as_foretold"][1]
+    assert record["left_out"] == ["Bands & more"]
     assert len(record["maps"]["lamp"]["points"]) == SAMPLES
     assert "jax" in record["versions"]
 
@@ -116,7 +121,7 @@ def test_the_page_is_whole_and_asks_for_nothing(folder: Path) -> None:
     assert len(checker.ids) == len(set(checker.ids))
     shown = re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)
     assert "A block &lt;script&gt;" in shown
-    assert "not made" in shown and "Basins &amp; more" in shown
+    assert "not made" in shown and "Bands &amp; more" in shown
 
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")

@@ -18,9 +18,10 @@ from thermo.app._configuration import (
     number,
 )
 from thermo.app._fitted import Fitted, read_fitted
+from thermo.app._refits import Refits, Wanted, refit
 from thermo.errors import InputError
-from thermo.identify import Profile, identifiability, profile
-from thermo.inverse import SCALES, Prior, Uniform
+from thermo.identify import identifiability
+from thermo.inverse import SCALES, Uniform
 from thermo.observe import Scene, read_scene
 from thermo.report import (
     identifiability_record,
@@ -28,15 +29,6 @@ from thermo.report import (
     require_writable,
     write_identifiability,
 )
-
-NO_BASINS = (
-    "Basins: fits from other first values and seeds are `thermo invert -m init=... seed=...`, and "
-    "`thermo ensemble` says how far they agree."
-)
-
-
-class _OutOfTime(Exception):
-    """The time for profiles is spent."""
 
 
 def identify(settings: Mapping[str, Any]) -> None:
@@ -48,7 +40,12 @@ def identify(settings: Mapping[str, Any]) -> None:
     choice = build_field(settings["field"])
     wanted = number(settings, "wanted", above=0.0)
     model_error = number(settings, "model_error", above=0.0)
-    budget = number(settings, "budget")
+    refits = Wanted(
+        number(settings, "budget"),
+        _starts(settings["starts"]),
+        number(settings, "draws", whole=True, above=-1),
+        number(settings, "seed", whole=True),
+    )
     scene = read_scene(Path(settings["data"]))
     every = asked["unknown"] or scene.unknown
     scales = tuple(name for name in every if name in SCALES)
@@ -59,26 +56,28 @@ def identify(settings: Mapping[str, Any]) -> None:
     at = inverse.sensitivity(scene, choice=choice, scales=scales, **asked)
     found = identifiability(at, prior=prior, model_error=model_error, wanted=wanted)
     runs = [scene.runs[name] for name in at.slopes]
-    profiles: dict[str, Profile] = {}
-    left_out = [NO_BASINS]
 
-    def leave() -> dict[str, Any]:
-        record = identifiability_record(found, at, runs, profiles, left_out)
+    def leave(more: Refits) -> dict[str, Any]:
+        record = identifiability_record(found, at, runs, more.profiles, more.basins, more.left_out)
         record |= {"seconds": time.monotonic() - begun, "model_error": model_error}
         record |= {"before_fit": fitted is None, "configuration": settings}
         title = f"{scene.object}: what {', '.join(at.slopes)} tell"
         write_identifiability(out, record, title)
         return record
 
-    why = _no_profiles(fitted, scales, choice, budget)
-    if why:
-        left_out.append(f"Profiles: {why}.")
-    record = leave()
+    why = _no_refits(fitted, scales, choice, refits.budget)
+    record = leave(Refits(left_out=[f"Profiles and basins: {why or 'they are being made'}."]))
     if not why:
-        left_out += _profile_all(scene, asked, prior, model_error, budget, profiles)
-        record = leave()
+        record = leave(refit(scene, asked, prior, model_error, refits))
     told = "\n".join(record["sentences"])
     print(f"{identifiability_table(record)}\n\n{told}\n\n{out / 'identifiability.html'}")
+
+
+def _starts(value: Any) -> tuple[float, ...]:
+    """Factors on the values found [1]. Raises `InputError`."""
+    for place, factor in enumerate(value if isinstance(value, list) else [value]):
+        number({"starts": factor}, "starts", "" if place == 0 else f"[{place}] of ", above=0.0)
+    return tuple(float(factor) for factor in value)
 
 
 def _asked(settings: Mapping[str, Any], fitted: Fitted | None) -> dict[str, Any]:
@@ -110,10 +109,10 @@ def _prior(settings: Mapping[str, Any], scene: Scene, unknown: tuple[str, ...]) 
     return {name: value for name, value in scene.prior.items() if name in unknown} | spread
 
 
-def _no_profiles(fitted: Fitted | None, scales: tuple[str, ...], choice: Any, budget: float) -> str:
-    """Why there are no profiles, nothing where there are."""
+def _no_refits(fitted: Fitted | None, scales: tuple[str, ...], choice: Any, budget: float) -> str:
+    """Why nothing is fitted anew, nothing where it is."""
     if fitted is None:
-        return "they take a fit, give estimate=DIR"
+        return "it takes a fit, give estimate=DIR"
     if budget <= 0:
         return "budget is 0"
     if scales:
@@ -121,32 +120,3 @@ def _no_profiles(fitted: Fitted | None, scales: tuple[str, ...], choice: Any, bu
     if not isinstance(choice, Uniform):
         return "only values of the whole body have them"
     return ""
-
-
-def _profile_all(
-    scene: Scene,
-    asked: dict[str, Any],
-    prior: dict[str, float],
-    model_error: float,
-    budget: float,
-    profiles: dict[str, Profile],
-) -> list[str]:
-    """Profiles of all unknowns as far as the time [s] goes; what was not reached, in words."""
-    model = inverse.log_model(scene, prior=Prior(spread=prior), model_error=model_error, **asked)
-    begun = time.monotonic()
-
-    def on_point(count: int) -> None:
-        del count
-        if time.monotonic() - begun > budget:
-            raise _OutOfTime
-
-    for place, name in enumerate(model.names):
-        try:
-            profiles[name] = profile(
-                model, model.first, place, bounds=model.bounds, on_point=on_point
-            )
-        except _OutOfTime:
-            missed = ", ".join(model.names[place:])
-            return [f"Profiles of {missed}: {budget:g} s were spent, raise budget."]
-        print(f"profile of {name}: {profiles[name].kind}", file=sys.stderr)
-    return []

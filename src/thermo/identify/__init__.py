@@ -1,5 +1,6 @@
 """What the data can tell of the unknowns, and what they cannot."""
 
+from thermo.identify._basins import Basins, basins
 from thermo.identify._collinearity import Alike, alike
 from thermo.identify._combination import Combination
 from thermo.identify._expected_error import ExpectedError, expected_errors
@@ -12,6 +13,7 @@ from thermo.identify._variance_split import VarianceSplit, split_variance
 
 __all__ = [
     "Alike",
+    "Basins",
     "Combination",
     "ExpectedError",
     "Finding",
@@ -22,6 +24,7 @@ __all__ = [
     "VarianceSplit",
     "Verdict",
     "alike",
+    "basins",
     "expected_errors",
     "findings",
     "identifiability",

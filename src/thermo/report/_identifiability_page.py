@@ -38,6 +38,7 @@ def identifiability_page(record: Record, title: str) -> str:
         _section("Noise", "noise", _noise(record)),
         _section("Directions", "directions", _plots(_directions(record), "directions")),
         *_profiles(record),
+        *_basins(record),
         _section("Where the readings respond", "maps", _plots(_maps(record), "maps")),
         _section("What was left out", "left", left),
         _section("Made with", "versions", html.escape(made_with)),
@@ -130,6 +131,37 @@ def _profiles(record: Record) -> list[str]:
         return []
     figures = [profile(name, item["profile"], item["unit"]) for name, item in made.items()]
     return [_section("Profiles", "profiles", _plots(figures, "profiles"))]
+
+
+def _basins(record: Record) -> list[str]:
+    found = record["basins"]
+    if not found:
+        return []
+    names = list(found[0]["values"])
+    rows = [
+        [*(f"{item['values'][name]:.4g}" for name in names), f"{item['chi2']:.6g}",
+         f"{item['share']:.0%}"]
+        for item in found
+    ]  # fmt: skip
+    body = _table([*names, "chi squared", "share of the starts"], rows, ["basin"] * len(rows))
+    return [_section("Where fits from other starts end", "basins", body), *_scatter(record)]
+
+
+def _scatter(record: Record) -> list[str]:
+    found = record["scatter"]
+    if found is None:
+        return []
+    header = ["unknown", "by noise", "as the slopes foretell", "within what draws allow",
+              "share of the optimiser"]  # fmt: skip
+    parts = ("names", "noise", "linear", "noise_as_foretold", "optimiser_share")
+    rows = [
+        [name, f"{100 * noise**0.5:.2g} %",
+         "not at all" if linear is None else f"{100 * linear**0.5:.2g} %",
+         "yes" if fine else "no", f"{share:.1%}"]
+        for name, noise, linear, fine, share in zip(*(found[part] for part in parts), strict=True)
+    ]  # fmt: skip
+    body = _table(header, rows, ["scatter"] * len(rows))
+    return [_section(f"Scatter over {found['draws']} draws of the noise", "scatter", body)]
 
 
 def _maps(record: Record) -> list[Figure]:

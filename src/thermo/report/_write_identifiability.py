@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from thermo.identify import Identifiability, Profile
+from thermo.identify import Basins, Identifiability, Profile
 from thermo.inverse import Sensitivity
 from thermo.observe import Run, check_quiet, estimate_noise
 
@@ -29,6 +29,7 @@ def identifiability_record(
     at: Sensitivity,
     runs: Sequence[Run],
     profiles: Mapping[str, Profile],
+    basins: Basins | None,
     left_out: Sequence[str],
 ) -> dict[str, Any]:
     """Every number of an analysis as plain data: values [SI], temperatures [K], logarithms [1]."""
@@ -64,7 +65,8 @@ def identifiability_record(
         },
         "noise": {run.name: _noise(run, at) for run in runs},
         "maps": {run.name: _map(run, at) for run in runs},
-        "basins": [],
+        "basins": _basins(basins, found),
+        "scatter": _scatter(basins, found),
         "left_out": list(left_out),
         "wanted": found.wanted,
         "versions": versions(),
@@ -87,6 +89,36 @@ def _profile(found: Profile | None) -> dict[str, Any] | None:
         "values": np.exp(found.values),
         "rises": found.rises,
         "remainders": found.remainders,
+    }
+
+
+def _basins(made: Basins | None, found: Identifiability) -> list[dict[str, Any]]:
+    """Where fits from other starts end [SI], the best first; empty where none were made."""
+    if made is None:
+        return []
+    names = found.spectrum.names
+    return [
+        {
+            "values": dict(zip(names, np.exp(centre), strict=True)),
+            "chi2": chi2,
+            "share": share,
+        }
+        for centre, chi2, share in zip(made.centres, made.chi2, made.shares(), strict=True)
+    ]
+
+
+def _scatter(made: Basins | None, found: Identifiability) -> dict[str, Any] | None:
+    """Variances of log(phi) over starts and over draws of the noise [1]; None without draws."""
+    if made is None or made.draws == 0:
+        return None
+    return {
+        "draws": made.draws,
+        "names": found.spectrum.names,
+        "optimiser": made.optimiser,
+        "noise": made.noise,
+        "linear": made.linear,
+        "optimiser_share": made.optimiser_share(),
+        "noise_as_foretold": made.noise_as_foretold(),
     }
 
 

@@ -1,0 +1,90 @@
+"""What `thermo identify` fits anew where a fit ended, as far as its time goes."""
+
+from __future__ import annotations
+
+import sys
+import time
+from dataclasses import dataclass, field
+from typing import Any, final
+
+import numpy as np
+
+from thermo.identify import Basins, Profile, basins, profile
+from thermo.inverse import LogModel, Prior, log_model
+from thermo.observe import Scene
+
+
+@final
+@dataclass(frozen=True)
+class Wanted:
+    """`budget` [s]; `starts`: factors on the values found [1]; `draws` of the noise; `seed`."""
+
+    budget: float
+    starts: tuple[float, ...]
+    draws: int
+    seed: int
+
+
+@final
+@dataclass
+class Refits:
+    """Profiles by unknown, where other starts end, and in words what was not made."""
+
+    profiles: dict[str, Profile] = field(default_factory=dict)
+    basins: Basins | None = None
+    left_out: list[str] = field(default_factory=list)
+
+
+class _OutOfTime(Exception):
+    """The time is spent."""
+
+
+def refit(
+    scene: Scene, asked: dict[str, Any], prior: dict[str, float], model_error: float, wanted: Wanted
+) -> Refits:
+    """Fits from other starts and profiles of all unknowns.
+
+    Arguments: `asked`, `prior` and `model_error` [K] as for `thermo.inverse.log_model`.
+    """
+    model = log_model(scene, prior=Prior(spread=prior), model_error=model_error, **asked)
+    # What is compiled by the first call is not counted.
+    model(model.first)
+    begun = time.monotonic()
+
+    def watch(count: int) -> None:
+        del count
+        if time.monotonic() - begun > wanted.budget:
+            raise _OutOfTime
+
+    found = Refits()
+    _basins(model, wanted, watch, found)
+    _profiles(model, wanted, watch, found)
+    return found
+
+
+def _basins(model: LogModel, wanted: Wanted, watch: Any, found: Refits) -> None:
+    if not wanted.starts:
+        found.left_out.append("Basins: no starts were given.")
+        return
+    low, high = model.bounds.T
+    starts = [np.clip(model.first + np.log(factor), low, high) for factor in (1.0, *wanted.starts)]
+    asked = {"bounds": model.bounds, "draws": wanted.draws, "seed": wanted.seed, "on_fit": watch}
+    try:
+        found.basins = basins(model, np.array(starts), **asked)
+    except _OutOfTime:
+        left = f"Basins: {wanted.budget:g} s were spent on them in vain, raise budget."
+        found.left_out.append(left)
+
+
+def _profiles(model: LogModel, wanted: Wanted, watch: Any, found: Refits) -> None:
+    for place, name in enumerate(model.names):
+        try:
+            watch(0)
+            made = profile(model, model.first, place, bounds=model.bounds, on_point=watch)
+        except _OutOfTime:
+            missed = ", ".join(model.names[place:])
+            left = f"Profiles of {missed}: {wanted.budget:g} s were spent, raise budget."
+            found.left_out.append(left)
+            return
+        found.profiles[name] = made
+        print(f"profile of {name}: {made.kind}", file=sys.stderr)
