@@ -44,7 +44,7 @@ def test_after_a_fit_its_runs_unknowns_and_values_are_looked_at(
     out = tmp_path / "after"
     outcome = command(
         "identify", f"data={block}", f"estimate={fit}", f"out={out}", "spread.conductivity=0.5",
-        "budget=600", "draws=2", "starts=[0.5]", cache, *MESH,
+        "doubt.heater_power=0.02", "budget=600", "draws=2", "starts=[0.5]", cache, *MESH,
     )  # fmt: skip
     assert outcome.code == 0, outcome.err
     found = record(out)
@@ -53,6 +53,10 @@ def test_after_a_fit_its_runs_unknowns_and_values_are_looked_at(
     assert item["value"] == pytest.approx(fitted) and item["verdict"] == "identified"
     assert set(found["noise"]) == {"lamp", "cooling"}
     assert found["spectrum"]["prior"] == [0.5] and found["before_fit"] is False
+    (moved,) = found["shifts"]
+    assert moved["held"] == "heater_power" and moved["name"] == "conductivity"
+    # A lamp stated too bright makes the body seem to conduct better.
+    assert 0.0 < moved["relative"] < 0.2 and moved["deviations"] > 1
     assert item["profile"]["kind"] == "bounded"
     # The fit stopped after three steps; the profile goes to the optimum.
     assert [one["share"] for one in found["basins"]] == [1.0]
@@ -86,6 +90,7 @@ def test_a_spent_budget_leaves_the_rest_and_says_so(
         (["spread.conductivity=-1"], ["spread.conductivity", "-1"]),
         (["field=network"], ["choice"]),
         (["starts=[1,-2]"], ["starts", "-2"]),
+        (["doubt.conductivity=0.1"], ["doubt.conductivity"]),
         (["draws=-1"], ["draws", "-1"]),
     ],
 )

@@ -47,6 +47,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     whole = slopes.reshape(-1, 3) / 0.05
     ends = basins(lambda u: (whole @ (u - 1.0), whole), np.array([[1.0] * 3, [2.0] * 3]), draws=9)
     data = identifiability_record(found, at, [run], {"convection": made}, ends, ["Bands & more"])
+    data["shifts"] = [
+        {"name": "convection", "held": "heater_power", "doubt": 0.02, "relative": -0.03,
+         "deviations": -4.0}
+    ]  # fmt: skip
     out = tmp_path_factory.mktemp("page")
     write_identifiability(out, data, "A block <script>")
     return out
@@ -121,6 +125,7 @@ def test_the_page_is_whole_and_asks_for_nothing(folder: Path) -> None:
     assert len(checker.ids) == len(set(checker.ids))
     shown = re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)
     assert "A block &lt;script&gt;" in shown
+    assert "-3 %" in shown and "heater_power" in shown
     assert "not made" in shown and "Bands &amp; more" in shown
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from thermo.app._configuration import (
 from thermo.app._fitted import Fitted, read_fitted
 from thermo.app._refits import Refits, Wanted, refit
 from thermo.errors import InputError
-from thermo.identify import identifiability
+from thermo.identify import identifiability, shifts, unknowns_of
 from thermo.inverse import SCALES, Uniform
 from thermo.observe import Scene, read_scene
 from thermo.report import (
@@ -48,17 +49,21 @@ def identify(settings: Mapping[str, Any]) -> None:
     )
     scene = read_scene(Path(settings["data"]))
     every = asked["unknown"] or scene.unknown
+    doubt = _doubt(settings, every)
     scales = tuple(name for name in every if name in SCALES)
     asked["unknown"] = tuple(name for name in every if name not in SCALES)
     prior = _prior(settings, scene, every)
     require_writable(out)
     print("meshing and compiling come first", file=sys.stderr)
-    at = inverse.sensitivity(scene, choice=choice, scales=scales, **asked)
+    whole = _slopes(scene, asked, (*scales, *doubt), choice)
+    at = unknowns_of(whole, doubt)
+    moved = shifts(whole, doubt, prior=prior, model_error=model_error)
     found = identifiability(at, prior=prior, model_error=model_error, wanted=wanted)
     runs = [scene.runs[name] for name in at.slopes]
 
     def leave(more: Refits) -> dict[str, Any]:
         record = identifiability_record(found, at, runs, more.profiles, more.basins, more.left_out)
+        record |= {"shifts": [asdict(one) for one in moved]}
         record |= {"seconds": time.monotonic() - begun, "model_error": model_error}
         record |= {"before_fit": fitted is None, "configuration": settings}
         title = f"{scene.object}: what {', '.join(at.slopes)} tell"
@@ -71,6 +76,24 @@ def identify(settings: Mapping[str, Any]) -> None:
         record = leave(refit(scene, asked, prior, model_error, refits))
     told = "\n".join(record["sentences"])
     print(f"{identifiability_table(record)}\n\n{told}\n\n{out / 'identifiability.html'}")
+
+
+def _slopes(
+    scene: Scene, asked: dict[str, Any], more: tuple[str, ...], choice: Any
+) -> inverse.Sensitivity:
+    """Slopes by what is `asked` [K], and by more quantities and factors."""
+    unknown = (*asked["unknown"], *(name for name in more if name not in SCALES))
+    scales = tuple(name for name in more if name in SCALES)
+    return inverse.sensitivity(
+        scene,
+        runs=asked["runs"],
+        unknown=unknown,
+        choice=choice,
+        stepping=asked["stepping"],
+        meshing=asked["meshing"],
+        initial=asked["initial"],
+        scales=scales,
+    )
 
 
 def _starts(value: Any) -> tuple[float, ...]:
@@ -94,6 +117,19 @@ def _asked(settings: Mapping[str, Any], fitted: Fitted | None) -> dict[str, Any]
         "stepping": build_stepping(settings["integrator"]),
         "meshing": build_meshing(settings["mesh"]),
     }
+
+
+def _doubt(settings: Mapping[str, Any], unknown: tuple[str, ...]) -> dict[str, float]:
+    """By how much logarithms of stated values may be off [1]."""
+    doubt = given(settings["doubt"], "doubt.")
+    for name, value in doubt.items():
+        if name in unknown or value <= 0:
+            raise InputError(
+                "this doubt cannot be", where=f"doubt.{name}", value=value,
+                limit=f"a number above 0, of what is no unknown ({', '.join(unknown)})",
+                remedy="give by how much the logarithm of a stated value may be off, 0.02 for 2 %",
+            )  # fmt: skip
+    return doubt
 
 
 def _prior(settings: Mapping[str, Any], scene: Scene, unknown: tuple[str, ...]) -> dict[str, float]:

@@ -6,8 +6,10 @@ from thermo.identify._combination import Combination
 from thermo.identify._expected_error import ExpectedError, expected_errors
 from thermo.identify._finding import Finding, Verdict, findings
 from thermo.identify._identifiability import Identifiability, identifiability
+from thermo.identify._next_run import NextRun, next_runs
 from thermo.identify._path import Model
 from thermo.identify._profile import Profile, profile
+from thermo.identify._shift import Shift, shifts, unknowns_of
 from thermo.identify._spectrum import Spectrum, spectrum
 from thermo.identify._variance_split import VarianceSplit, split_variance
 
@@ -19,7 +21,9 @@ __all__ = [
     "Finding",
     "Identifiability",
     "Model",
+    "NextRun",
     "Profile",
+    "Shift",
     "Spectrum",
     "VarianceSplit",
     "Verdict",
@@ -28,7 +32,10 @@ __all__ = [
     "expected_errors",
     "findings",
     "identifiability",
+    "next_runs",
     "profile",
+    "shifts",
     "spectrum",
     "split_variance",
+    "unknowns_of",
 ]

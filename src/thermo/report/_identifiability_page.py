@@ -35,6 +35,7 @@ def identifiability_page(record: Record, title: str) -> str:
         _list(record["sentences"], "verdicts"),
         _section("Parameters", "parameters", _parameters(record)),
         _section("What cannot be known", "unknown", _free(record)),
+        *_shifts(record),
         _section("Noise", "noise", _noise(record)),
         _section("Directions", "directions", _plots(_directions(record), "directions")),
         *_profiles(record),
@@ -100,6 +101,20 @@ def _ends(found: Record | None) -> str:
 def _free(record: Record) -> str:
     found = [item["combination"] for item in record["null_directions"]]
     return _list(found or ["The data lead in every direction."], "free")
+
+
+def _shifts(record: Record) -> list[str]:
+    found = record.get("shifts", [])
+    if not found:
+        return []
+    header = ["stated value", "too large by", "moves", "by", "in standard deviations"]
+    rows = [
+        [one["held"], f"{one['doubt']:.2g}", one["name"], f"{100 * one['relative']:+.2g} %",
+         f"{one['deviations']:+.2g}"]
+        for one in found
+    ]  # fmt: skip
+    body = _table(header, rows, ["shift"] * len(rows))
+    return [_section("What a wrong stated value would do", "shifts", body)]
 
 
 def _noise(record: Record) -> str:
