@@ -8,7 +8,13 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from thermo.inverse._reading_errors import ReadingErrors, colour, whiten
+from thermo.inverse._reading_errors import (
+    ReadingErrors,
+    colour,
+    whiten,
+    with_again,
+    without,
+)
 
 FRAMES, SAMPLES = 7, 4
 
@@ -86,3 +92,27 @@ def test_a_tangent_is_whitened_as_a_difference_is() -> None:
     np.testing.assert_allclose(tangent, whiten(errors, used, way), rtol=1e-12)
     assert errors.variance().shape == (FRAMES, SAMPLES)
     np.testing.assert_allclose(errors.variance(), 1.0)
+
+
+def test_a_shared_error_is_taken_out_as_its_covariance_asks() -> None:
+    random = np.random.default_rng(1)
+    shared, white = random.standard_normal((2, FRAMES, SAMPLES))
+    column = shared.ravel()
+    size, way = np.linalg.eigh(np.eye(column.size) + np.outer(column, column))
+    root = (way / np.sqrt(size)) @ way.T
+    freed = without(jnp.asarray(shared), jnp.asarray(white))
+    np.testing.assert_allclose(freed, (root @ white.ravel()).reshape(white.shape), atol=1e-12)
+    again = with_again(jnp.asarray(shared), freed)
+    np.testing.assert_allclose(again, white, rtol=1e-10, atol=1e-12)
+    # However large it is, it says no more than a part of itself.
+    huge = without(jnp.asarray(1e6 * shared), jnp.asarray(1e6 * shared))
+    assert float(jnp.linalg.norm(huge)) < 1.001
+
+
+def test_nothing_shared_changes_nothing() -> None:
+    white = jnp.asarray(np.random.default_rng(2).standard_normal((FRAMES, SAMPLES)))
+    none = jnp.zeros((FRAMES, SAMPLES))
+    assert np.array_equal(without(none, white), white)
+    assert np.array_equal(with_again(none, white), white)
+    slope = jax.grad(lambda one: jnp.sum(without(one, white) ** 2))(none)
+    assert np.all(np.isfinite(slope))

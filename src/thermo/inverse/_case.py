@@ -26,6 +26,8 @@ class Case(eqx.Module):
     - `data`: (frames, samples) [K]; `used`: 1 where there is a valid value, else 0 [1].
     - `errors`: of the readings; `trust`: what whitened residuals are multiplied by [1].
     - `defect`: what is added to the simulation for its cells and steps, (frames, samples) [K].
+    - `shared`: what they may still make wrong in all readings at once, whitened, (frames, samples)
+      [1]; zero where nothing is added.
     - `between`: where frames lie between the steps, the weights of what the grid's own frames
       read, (frames, ends) [1]; None where the grid's frames are those of the data.
     """
@@ -38,6 +40,7 @@ class Case(eqx.Module):
     errors: ReadingErrors
     trust: Float[Array, "*runs"]
     defect: Float[Array, "*runs frames samples"]
+    shared: Float[Array, "*runs frames samples"]
     between: Float[Array, "*runs frames ends"] | None = None
 
     def weight(self) -> Float[Array, "*runs frames samples"]:
@@ -99,21 +102,23 @@ def make_case(
         staying=jnp.asarray(staying),
     )
     used = jnp.asarray(recording.valid[frames], float)
-    read = (data, used, errors, jnp.asarray(1.0, float), jnp.zeros(data.shape))
+    read = (data, used, errors, jnp.asarray(1.0, float))
+    none = (jnp.zeros(data.shape), jnp.zeros(data.shape))
     under = conditions(run, space)
     if steps is None:
-        return Case(under, grid, readout, *read)
+        return Case(under, grid, readout, *read, *none)
     ends = np.asarray(steps.frame_time)
     wanted = np.asarray(grid.frame_time)
     between = jnp.asarray(between_steps(ends, np.eye(len(ends)), wanted, switches(run)))
-    return Case(under, steps, readout, *read, between)
+    return Case(under, steps, readout, *read, *none, between)
 
 
 def in_kelvin(case: Case) -> Case:
     """The case with errors of 1 K, each by itself, so that its residual is in kelvin [K]."""
     plain = jax.tree.map(jnp.zeros_like, case.errors)
     plain = replace(plain, own=jnp.ones_like(case.errors.own))
-    return replace(case, errors=plain, trust=jnp.ones_like(case.trust))
+    shared = jnp.zeros_like(case.shared)
+    return replace(case, errors=plain, trust=jnp.ones_like(case.trust), shared=shared)
 
 
 def _pad(array: np.ndarray | Array, length: int, axis: int, *, edge: bool) -> np.ndarray:
@@ -138,9 +143,9 @@ def _pad_case(case: Case, steps: int, ends: int, frames: int, samples: int) -> C
         _pad(case.readout.weights, samples, 0, edge=True),
     )
     data = _pad(_pad(case.data, frames, 0, edge=True), samples, 1, edge=True)
-    used, defect = (
+    used, defect, shared = (
         jnp.asarray(_pad(_pad(values, frames, 0, edge=False), samples, 1, edge=False))
-        for values in (case.used, case.defect)
+        for values in (case.used, case.defect, case.shared)
     )
     errors = ReadingErrors(
         own=jnp.asarray(_pad(_pad(case.errors.own, frames, 0, edge=True), samples, 1, edge=True)),
@@ -151,7 +156,7 @@ def _pad_case(case: Case, steps: int, ends: int, frames: int, samples: int) -> C
     between = case.between
     if between is not None:
         between = jnp.asarray(_pad(_pad(between, frames, 0, edge=False), ends, 1, edge=False))
-    read = (jnp.asarray(data), used, errors, case.trust, defect)
+    read = (jnp.asarray(data), used, errors, case.trust, defect, shared)
     return Case(case.under, grid, readout, *read, between)
 
 

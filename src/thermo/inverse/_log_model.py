@@ -13,6 +13,7 @@ from jaxtyping import Float
 from thermo.errors import InputError
 from thermo.fields import QUANTITIES
 from thermo.inverse._body import Meshing
+from thermo.inverse._defect import defects, with_defects, with_shared
 from thermo.inverse._field_choice import Uniform
 from thermo.inverse._objective import Objective, jacobian
 from thermo.inverse._sensitivity import logarithm_slopes, unfitted
@@ -76,7 +77,8 @@ def log_model(
     """What `invert` makes small with one value for each unknown, as a function of its logarithms.
 
     Arguments as for `invert`, `initial` by quantity [SI] and `model_error` [K] among them; mesh and
-    steps are made for the first values and stay. For `thermo.identify.profile` and for samplers:
+    steps are made for the first values and stay, and so does what is measured there of their errors
+    (`meshing.corrected`): ask it near the optimum. For `thermo.identify.profile` and for samplers:
     nothing is fitted here.
 
     Raises `InputError` as `invert` does.
@@ -87,6 +89,8 @@ def log_model(
     )  # fmt: skip
     ready = prepare(task)
     objective = make_objective(task, ready, task.meshing.order)
+    if task.meshing.corrected:
+        objective = with_shared(with_defects(objective, defects(task, ready, objective)))
     values = [float(objective.fields[name].control_values()[0]) for name in task.names]
     limits = [(QUANTITIES[name].lower, QUANTITIES[name].upper) for name in task.names]
     return LogModel(task.names, np.log(values), np.log(limits), objective, ready.mesh)

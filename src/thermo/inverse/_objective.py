@@ -16,7 +16,7 @@ from thermo.fields import AbstractField
 from thermo.inverse._case import Case
 from thermo.inverse._conditions import make_model
 from thermo.inverse._properties import Stated, properties
-from thermo.inverse._reading_errors import whiten
+from thermo.inverse._reading_errors import whiten, without
 from thermo.physics import (
     AbstractAdjoint,
     ConjugateGradient,
@@ -157,7 +157,8 @@ def data_residual(
     """Whitened residual [1] of one run."""
     fields = with_fields(objective, parameters)
     found = case_temperatures(objective, fields, case, adjoint)
-    return case.trust * whiten(case.errors, case.used, found - case.data).ravel()
+    white = whiten(case.errors, case.used, found - case.data)
+    return case.trust * without(case.shared, white).ravel()
 
 
 def penalty(objective: Objective, parameters: Parameters) -> Float[Array, " terms"]:

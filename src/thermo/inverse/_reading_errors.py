@@ -31,6 +31,29 @@ class ReadingErrors(eqx.Module):
         return self.own + self.fading[..., None, None] + self.staying[..., None, :]
 
 
+def without(
+    shared: Float[Array, "frames samples"], white: Float[Array, "frames samples"]
+) -> Float[Array, "frames samples"]:
+    """(I + D D')^-1/2 times whitened differences [1], D an error that all readings share.
+
+    Its amplitude is unknown, of mean zero and variance one: `shared` is D, itself whitened [1].
+
+    Source: the square root of the Sherman-Morrison formula.
+    """
+    square = jnp.sum(shared**2)
+    share = (1 - 1 / jnp.sqrt(1 + square)) / jnp.where(square > 0, square, 1)
+    return white - share * shared * jnp.sum(shared * white)
+
+
+def with_again(
+    shared: Float[Array, "frames samples"], freed: Float[Array, "frames samples"]
+) -> Float[Array, "frames samples"]:
+    """(I + D D')^1/2 times values [1], the inverse of `without`."""
+    square = jnp.sum(shared**2)
+    share = (jnp.sqrt(1 + square) - 1) / jnp.where(square > 0, square, 1)
+    return freed + share * shared * jnp.sum(shared * freed)
+
+
 Rule = Callable[[Array, Array, Array], tuple[Array, Array]]
 """From a value, what is expected of the difference [K] and the deviation of that [K]: what comes
 as a surprise [K], and what is asked for."""

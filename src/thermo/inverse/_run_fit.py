@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 from thermo.inverse._estimate import RunFit
 from thermo.inverse._minimise import Fit
 from thermo.inverse._objective import Objective, residual, run_parts
-from thermo.inverse._reading_errors import colour
+from thermo.inverse._reading_errors import colour, with_again
 from thermo.observe import Run, estimate_noise
 from thermo.physics import TimeGrid
 
@@ -51,6 +51,7 @@ def _differences(
     found, begin = [], 0
     for case in objective.cases:
         part = whitened[begin : begin + case.data.size].reshape(case.data.shape)
-        found += list(jax.vmap(colour)(case.errors, case.used, part / case.trust[:, None, None]))
+        white = jax.vmap(with_again)(case.shared, part / case.trust[:, None, None])
+        found += list(jax.vmap(colour)(case.errors, case.used, white))
         begin += case.data.size
     return found
