@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import trimesh
 
 from .conftest import Command
 
@@ -59,6 +60,12 @@ def test_after_a_fit_its_runs_unknowns_and_values_are_looked_at(
     assert 0.0 < moved["relative"] < 0.2 and moved["deviations"] > 1
     assert item["profile"]["kind"] == "bounded"
     # The fit stopped after three steps; the profile goes to the optimum.
+    assert found["misfit"] > 2
+    assert any("something is missing in the model" in line for line in found["sentences"])
+    assert any("outside that interval" in line for line in found["sentences"])
+    assert any(
+        "2 % too large, heater_power moves conductivity" in one for one in found["sentences"]
+    )
     assert [one["share"] for one in found["basins"]] == [1.0]
     assert found["basins"][0]["values"]["conductivity"] == pytest.approx(
         item["profile"]["best"], rel=1e-3
@@ -82,7 +89,9 @@ def test_a_spent_budget_leaves_the_rest_and_says_so(
 @pytest.mark.parametrize(
     ("words", "parts"),
     [
-        (["unknown=[heat]"], ["unknown", "heat"]),
+        (["unknown=[heat]"], ["unknown", "heat", "camera_emissivity"]),
+        (["unknown=[heater_power]"], ["unknown", "factors alone", "spread"]),
+        (["budget=-1"], ["budget", "-1"]),
         (["wanted=0"], ["wanted", "0"]),
         (["budget=long"], ["budget", "long"]),
         (["spread.heat=0.1"], ["heat"]),
@@ -101,6 +110,16 @@ def test_what_cannot_be_asked_is_refused(
     outcome = command("identify", f"data={block}", f"out={out}", cache, *MESH, *words)
     assert outcome.code == 2 and all(part in outcome.err for part in parts), outcome.err
     assert not out.exists() or list(out.iterdir()) == []
+
+
+def test_a_fit_of_another_body_is_refused(
+    command: Command, fit: Path, own: Path, tmp_path: Path
+) -> None:
+    surface = own / json.loads((own / "scene.json").read_text())["surface"]
+    trimesh.load_mesh(surface).apply_scale([1.0, 1.0, 2.0]).export(surface)
+    outcome = command("identify", f"data={own}", f"estimate={fit}", f"out={tmp_path / 'out'}")
+    assert outcome.code == 2 and "another body" in outcome.err, outcome.err
+    assert "0.016" in outcome.err
 
 
 @pytest.mark.parametrize("kind", ["missing", "damaged", "other"])

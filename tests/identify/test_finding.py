@@ -40,7 +40,8 @@ def test_strong_effects_are_identified_and_the_interval_is_that_of_the_spectrum(
         ends = value * np.exp([-1.96 * wanted, 1.96 * wanted])
         assert item.interval95 == pytest.approx(ends, rel=1e-3) or item.name == "emissivity"
     assert found.findings[2].interval95[1] <= 1.0, "an emissivity ends at 1"
-    assert found.free == [] and "known to" in found.sentences()[0]
+    assert found.free == [] and " known to" in found.sentences()[0]
+    assert "to be known to" in found.sentences(before=True)[0]
 
 
 def test_less_of_an_effect_is_weak_and_then_nothing() -> None:

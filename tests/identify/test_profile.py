@@ -11,6 +11,7 @@ from box_scene import CONDUCTIVITY, write_block
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from thermo.errors import InputError
 from thermo.identify import Model, profile
 from thermo.identify._path import LEVEL
 from thermo.inverse import LogModel, Meshing, Stepping, log_model
@@ -146,3 +147,9 @@ def test_a_lamp_bounds_a_conductivity_and_cooling_alone_does_not(tmp_path: Path)
     free = profile(both, both.first, 0, bounds=near)
     assert free.kind == "flat" and free.rises.max() < 0.1
     assert np.ptp(free.values) == pytest.approx(2.0), "from bound to bound"
+
+
+def test_an_unknown_that_is_not_there_is_refused() -> None:
+    with pytest.raises(InputError) as caught:
+        profile(lambda at: (at, np.eye(2)), np.zeros(2), 2)
+    assert caught.value.where == "number" and caught.value.limit == "0 to 1"

@@ -7,7 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
+import numpy as np
+
 from thermo.errors import InputError
+from thermo.inverse import load_estimate
+from thermo.mesh import read_surface
+from thermo.observe import Scene
+
+_ALIKE = 0.03
+"""Relative difference of lengths [1] up to which bodies may be one: a mesh cuts curved sides."""
 
 
 @final
@@ -46,3 +54,25 @@ def _fitted(record: dict[str, Any]) -> Fitted:
     stated = record["configuration"]["initial"]
     given = {name: float(value) for name, value in stated.items() if value is not None}
     return Fitted(tuple(record["fit"]["rmse"]), tuple(medians), given | medians)
+
+
+def check_same_body(folder: Path, scene: Scene) -> None:
+    """Refuse a fit whose body is not of the size of the scene's surface [m].
+
+    Raises `InputError`.
+    """
+    mesh, *_ = load_estimate(folder / "estimate.npz")
+    surface = read_surface(scene.surface_path, unit=scene.unit)  # type: ignore[arg-type]
+    fitted, there = (np.ptp(points, axis=0) for points in (mesh.nodes, surface.vertices))
+    if not np.allclose(fitted, there, rtol=_ALIKE, atol=_ALIKE * float(there.max())):
+        raise InputError(
+            "this fit is of another body",
+            where=str(folder / "estimate.npz"),
+            value=f"{_size(fitted)} m",
+            limit=f"the size of {scene.surface_path.name}, {_size(there)} m",
+            remedy="give the scene that was fitted as `data`",
+        )
+
+
+def _size(lengths: np.ndarray) -> str:
+    return " x ".join(f"{length:.4g}" for length in lengths)

@@ -9,6 +9,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from thermo import inverse
 from thermo.app._configuration import (
     build_field,
@@ -18,10 +20,11 @@ from thermo.app._configuration import (
     names,
     number,
 )
-from thermo.app._fitted import Fitted, read_fitted
+from thermo.app._fitted import Fitted, check_same_body, read_fitted
 from thermo.app._refits import Refits, Wanted, refit
 from thermo.errors import InputError
-from thermo.identify import identifiability, shifts, unknowns_of
+from thermo.fields import QUANTITIES
+from thermo.identify import Identifiability, Shift, identifiability, shifts, unknowns_of
 from thermo.inverse import SCALES, Uniform
 from thermo.observe import Scene, read_scene
 from thermo.report import (
@@ -42,13 +45,16 @@ def identify(settings: Mapping[str, Any]) -> None:
     wanted = number(settings, "wanted", above=0.0)
     model_error = number(settings, "model_error", above=0.0)
     refits = Wanted(
-        number(settings, "budget"),
+        _budget(settings),
         _starts(settings["starts"]),
         number(settings, "draws", whole=True, above=-1),
         number(settings, "seed", whole=True),
     )
     scene = read_scene(Path(settings["data"]))
     every = asked["unknown"] or scene.unknown
+    _check_unknown(every)
+    if fitted is not None:
+        check_same_body(Path(str(settings["estimate"])), scene)
     doubt = _doubt(settings, every)
     scales = tuple(name for name in every if name in SCALES)
     asked["unknown"] = tuple(name for name in every if name not in SCALES)
@@ -63,7 +69,10 @@ def identify(settings: Mapping[str, Any]) -> None:
 
     def leave(more: Refits) -> dict[str, Any]:
         record = identifiability_record(found, at, runs, more.profiles, more.basins, more.left_out)
-        record |= {"shifts": [asdict(one) for one in moved]}
+        record["sentences"] = [
+            *found.sentences(before=fitted is None), *_doubts(found, more), *_moved(moved)
+        ]  # fmt: skip
+        record |= {"shifts": [asdict(one) for one in moved], "misfit": more.misfit}
         record |= {"seconds": time.monotonic() - begun, "model_error": model_error}
         record |= {"before_fit": fitted is None, "configuration": settings}
         title = f"{scene.object}: what {', '.join(at.slopes)} tell"
@@ -71,11 +80,72 @@ def identify(settings: Mapping[str, Any]) -> None:
         return record
 
     why = _no_refits(fitted, scales, choice, refits.budget)
-    record = leave(Refits(left_out=[f"Profiles and basins: {why or 'they are being made'}."]))
+    record = leave(
+        Refits(left_out=[f"Profiles, basins and scatter: {why or 'they are being made'}."])
+    )
     if not why:
         record = leave(refit(scene, asked, prior, model_error, refits))
     told = "\n".join(record["sentences"])
     print(f"{identifiability_table(record)}\n\n{told}\n\n{out / 'identifiability.html'}")
+
+
+def _budget(settings: Mapping[str, Any]) -> float:
+    """Time for what is fitted anew [s]. Raises `InputError`."""
+    value = number(settings, "budget")
+    if value < 0:
+        raise InputError(
+            "there is no such time", where="budget", value=value, limit="0 s or more",
+            remedy="give 0 to fit nothing anew",
+        )  # fmt: skip
+    return value
+
+
+def _check_unknown(every: tuple[str, ...]) -> None:
+    """Refuse names that are none, and factors alone. Raises `InputError`."""
+    wrong = [name for name in every if name not in QUANTITIES and name not in SCALES]
+    if wrong or all(name in SCALES for name in every):
+        raise InputError(
+            "this is no unknown" if wrong else "factors alone cannot be asked for",
+            where="unknown", value=wrong[0] if wrong else ", ".join(every),
+            limit=f"{', '.join(QUANTITIES)}, and beside one of these {', '.join(SCALES)}",
+            remedy="give unknown=[conductivity,heater_power], for example, and what is known of "
+            "the one a narrow spread",
+        )  # fmt: skip
+
+
+MISFIT = 2.0
+"""Root mean square of the whitened residual [1] from which a model does not explain its runs."""
+
+
+def _doubts(found: Identifiability, more: Refits) -> list[str]:
+    """What speaks against the intervals, in words."""
+    told = []
+    if more.misfit is not None and more.misfit > MISFIT:
+        told.append(
+            f"Simulation and readings differ by {more.misfit:.2g} times what the noise allows: "
+            "something is missing in the model, and no interval allows for that."
+        )
+    for item in found.findings:
+        made = more.profiles.get(item.name)
+        if made is None:
+            continue
+        best = float(np.exp(made.values[int(np.argmin(made.rises))]))
+        if not item.interval95[0] <= best <= item.interval95[1]:
+            told.append(
+                f"{item.name} comes out as {best:.4g} {item.unit} where it is fitted anew for its "
+                "profile, outside that interval: the fit had not ended there, or errors of its "
+                "cells and steps, which a profile allows for, are larger than the noise."
+            )
+    return told
+
+
+def _moved(found: list[Shift]) -> list[str]:
+    return [
+        f"Stated {100 * np.expm1(one.doubt):.2g} % too large, {one.held} moves {one.name} by "
+        f"{100 * np.expm1(one.relative):+.2g} %, {abs(one.deviations):.2g} of its standard "
+        "deviations."
+        for one in found
+    ]
 
 
 def _slopes(

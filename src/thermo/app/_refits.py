@@ -28,8 +28,13 @@ class Wanted:
 @final
 @dataclass
 class Refits:
-    """Profiles by unknown, where other starts end, and in words what was not made."""
+    """Profiles by unknown, where other starts end, and in words what was not made.
 
+    - `misfit`: root mean square of the whitened residual where the fit ended [1], about 1 where
+      simulation and readings agree.
+    """
+
+    misfit: float | None = None
     profiles: dict[str, Profile] = field(default_factory=dict)
     basins: Basins | None = None
     left_out: list[str] = field(default_factory=list)
@@ -48,7 +53,7 @@ def refit(
     """
     model = log_model(scene, prior=Prior(spread=prior), model_error=model_error, **asked)
     # What is compiled by the first call is not counted.
-    model(model.first)
+    residual, _ = model(model.first)
     begun = time.monotonic()
 
     def watch(count: int) -> None:
@@ -56,7 +61,8 @@ def refit(
         if time.monotonic() - begun > wanted.budget:
             raise _OutOfTime
 
-    found = Refits()
+    used = sum(float(case.used.sum()) for case in model.objective.cases)
+    found = Refits(misfit=float(np.sqrt(np.sum(residual**2) / used)))
     _basins(model, wanted, watch, found)
     _profiles(model, wanted, watch, found)
     return found
@@ -64,8 +70,10 @@ def refit(
 
 def _basins(model: LogModel, wanted: Wanted, watch: Any, found: Refits) -> None:
     if not wanted.starts:
-        found.left_out.append("Basins: no starts were given.")
+        found.left_out.append("Basins and scatter: no starts were given.")
         return
+    if wanted.draws == 0:
+        found.left_out.append("Scatter over draws of the noise: draws is 0.")
     low, high = model.bounds.T
     starts = [np.clip(model.first + np.log(factor), low, high) for factor in (1.0, *wanted.starts)]
     asked = {"bounds": model.bounds, "draws": wanted.draws, "seed": wanted.seed, "on_fit": watch}

@@ -29,9 +29,12 @@ class Identifiability:
     spectrum: Spectrum
     wanted: float
 
-    def sentences(self) -> list[str]:
-        """The verdict on each unknown and each free combination, in words."""
-        told = [_sentence(item) for item in self.findings]
+    def sentences(self, *, before: bool = False) -> list[str]:
+        """The verdict on each unknown and each free combination, in words.
+
+        `before` a fit values are what is stated, and the rest is foretold.
+        """
+        told = [_sentence(item, "to be known" if before else "known") for item in self.findings]
         told += [f"The data leave to the prior: {one.words()}." for one in self.free]
         told += [
             f"{', '.join(one.names[:-1])} and {one.names[-1]} have effects that look alike "
@@ -66,14 +69,15 @@ def identifiability(
     return Identifiability(told, found.undetermined(), close, found, wanted)
 
 
-def _sentence(item: Finding) -> str:
+def _sentence(item: Finding, known: str) -> str:
     size = f"{item.name} is {item.value:.4g} {'' if item.unit == '1' else item.unit}".rstrip()
     low, high = item.interval95
-    span = f"95 % interval {low:.4g} to {high:.4g}"
+    span = f"95 % interval {low:.5g} to {high:.5g}"
     if item.verdict == "identified":
-        return f"{size}, known to {196 * item.relative:.2g} % ({span})."
+        return f"{size}, {known} to {196 * item.relative:.2g} % ({span})."
     if item.verdict == "weak":
-        return f"{size}, known only to {196 * item.relative:.2g} % ({span})."
+        return f"{size}, {known} only to {196 * item.relative:.2g} % ({span})."
     if item.verdict == "at_bound":
         return f"{size}, at the bound of what is physical."
-    return f"{item.name} is not identified by these runs ({span}, most of it the prior's)."
+    why = "most of it the prior's" if item.informed < 0.5 else "with others that go along"
+    return f"{item.name} is not identified by these runs ({span}, {why})."

@@ -9,6 +9,7 @@ from typing import Final, Literal, final
 import numpy as np
 from jaxtyping import Float
 
+from thermo.errors import InputError
 from thermo.identify._path import LEVEL, Model, Path, Point, follow, settle
 
 Kind = Literal["bounded", "one-sided", "flat", "at bound", "multimodal", "failed"]
@@ -80,9 +81,16 @@ def profile(
     others, and ends where nothing more is to be gained. A better optimum on the way begins
     everything anew.
 
+    Raises `InputError` where there is no unknown of that number.
+
     Source: Raue et al., Bioinformatics 25 (2009) 1923.
     """
     start = np.asarray(start, float)
+    if not 0 <= number < len(start):
+        raise InputError(
+            "there is no such unknown", where="number", value=number,
+            limit=f"0 to {len(start) - 1}", remedy="number the unknowns from 0",
+        )  # fmt: skip
     bounds = np.tile([-np.inf, np.inf], (len(start), 1)) if bounds is None else bounds
     at = settle(model, start, bounds)
     for _ in range(RESTARTS + 1):

@@ -6,6 +6,7 @@ import html
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 from plotly.graph_objects import Figure
 from plotly.offline import get_plotlyjs
 
@@ -109,7 +110,8 @@ def _shifts(record: Record) -> list[str]:
         return []
     header = ["stated value", "too large by", "moves", "by", "in standard deviations"]
     rows = [
-        [one["held"], f"{one['doubt']:.2g}", one["name"], f"{100 * one['relative']:+.2g} %",
+        [one["held"], f"{100 * np.expm1(one['doubt']):.2g} %", one["name"],
+         f"{100 * np.expm1(one['relative']):+.2g} %",
          f"{one['deviations']:+.2g}"]
         for one in found
     ]  # fmt: skip
