@@ -130,8 +130,7 @@ class Around:
         noise, staying = {}, {}
         for run in noisy:
             level = estimate_noise(run.recording)
-            wider = (1 + level.correlation) / (1 - level.correlation)
-            noise[run.name] = float(level.white * np.sqrt(wider))
+            noise[run.name] = level.long_run()
             staying[run.name] = float(np.sqrt(np.mean(constant_error(run, level)[1])))
         at = Sensitivity(UNKNOWN, self.slopes, noise, 1e-6, staying)
         return spectrum(at, model_error=MODEL_ERROR).deviation()

@@ -99,6 +99,7 @@ def test_a_spent_budget_leaves_the_rest_and_says_so(
         (["spread.conductivity=-1"], ["spread.conductivity", "-1"]),
         (["field=network"], ["choice"]),
         (["starts=[1,-2]"], ["starts", "-2"]),
+        (["starts=3"], ["starts", "[0.3,3]"]),
         (["doubt.conductivity=0.1"], ["doubt.conductivity"]),
         (["draws=-1"], ["draws", "-1"]),
     ],

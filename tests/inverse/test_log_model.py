@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from thermo.errors import InputError
 from thermo.inverse import LogModel, Meshing, Prior, Stepping, log_model
+from thermo.inverse._reading_errors import whiten, without
 
 UNKNOWN = ("convection", "conductivity")
 
@@ -40,6 +44,21 @@ def test_a_prior_is_a_residual_beside_the_readings(model: LogModel) -> None:
     # A spread of 10 % and a convection that is 20 % up: two standard deviations.
     moved = (after - before)[-2 * (1 + 1) :]
     assert np.isclose(moved, 2.0).sum() == 1
+
+
+def test_what_cells_and_steps_make_wrong_is_taken_off_and_what_is_left_is_doubted(
+    model: LogModel,
+) -> None:
+    (group,) = model.objective.cases
+    wanted = jax.vmap(whiten)(group.errors, group.used, group.defect / 3)
+    assert np.abs(group.defect).max() > 1e-3 and np.allclose(group.shared, wanted)
+    undoubted = replace(group, shared=jnp.zeros_like(group.shared))
+    bold = replace(model, objective=replace(model.objective, cases=(undoubted,)))
+    count = group.data.size
+    surely, doubtfully = bold(model.first)[0][:count], model(model.first)[0][:count]
+    by_hand = without(group.shared[0], jnp.asarray(surely).reshape(group.data.shape[1:]))
+    assert np.allclose(doubtfully, np.asarray(by_hand).ravel(), atol=1e-8)
+    assert np.sum(doubtfully**2) < np.sum(surely**2)
 
 
 def test_values_beyond_their_bounds_are_refused(model: LogModel) -> None:

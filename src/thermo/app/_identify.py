@@ -25,7 +25,7 @@ from thermo.app._refits import Refits, Wanted, refit
 from thermo.errors import InputError
 from thermo.fields import QUANTITIES
 from thermo.identify import Identifiability, Shift, identifiability, shifts, unknowns_of
-from thermo.inverse import SCALES, Uniform
+from thermo.inverse import SCALES, UNEXPLAINED, Uniform
 from thermo.observe import Scene, read_scene
 from thermo.report import (
     identifiability_record,
@@ -39,7 +39,8 @@ def identify(settings: Mapping[str, Any]) -> None:
     """Ask what the data identify, and leave `identifiability.json` and a page rendered from it."""
     begun = time.monotonic()
     out = Path(settings["out"])
-    fitted = None if settings["estimate"] is None else read_fitted(Path(settings["estimate"]))
+    estimate = None if settings["estimate"] is None else Path(settings["estimate"])
+    fitted = None if estimate is None else read_fitted(estimate)
     asked = _asked(settings, fitted)
     choice = build_field(settings["field"])
     wanted = number(settings, "wanted", above=0.0)
@@ -53,8 +54,8 @@ def identify(settings: Mapping[str, Any]) -> None:
     scene = read_scene(Path(settings["data"]))
     every = asked["unknown"] or scene.unknown
     _check_unknown(every)
-    if fitted is not None:
-        check_same_body(Path(str(settings["estimate"])), scene)
+    if estimate is not None:
+        check_same_body(estimate, scene)
     doubt = _doubt(settings, every)
     scales = tuple(name for name in every if name in SCALES)
     asked["unknown"] = tuple(name for name in every if name not in SCALES)
@@ -113,14 +114,10 @@ def _check_unknown(every: tuple[str, ...]) -> None:
         )  # fmt: skip
 
 
-MISFIT = 2.0
-"""Root mean square of the whitened residual [1] from which a model does not explain its runs."""
-
-
 def _doubts(found: Identifiability, more: Refits) -> list[str]:
     """What speaks against the intervals, in words."""
     told = []
-    if more.misfit is not None and more.misfit > MISFIT:
+    if more.misfit is not None and more.misfit > UNEXPLAINED:
         told.append(
             f"Simulation and readings differ by {more.misfit:.2g} times what the noise allows: "
             "something is missing in the model, and no interval allows for that."
@@ -129,7 +126,7 @@ def _doubts(found: Identifiability, more: Refits) -> list[str]:
         made = more.profiles.get(item.name)
         if made is None:
             continue
-        best = float(np.exp(made.values[int(np.argmin(made.rises))]))
+        best = float(np.exp(made.optimum()))
         if not item.interval95[0] <= best <= item.interval95[1]:
             told.append(
                 f"{item.name} comes out as {best:.4g} {item.unit} where it is fitted anew for its "
@@ -168,9 +165,12 @@ def _slopes(
 
 def _starts(value: Any) -> tuple[float, ...]:
     """Factors on the values found [1]. Raises `InputError`."""
-    for place, factor in enumerate(value if isinstance(value, list) else [value]):
-        number({"starts": factor}, "starts", "" if place == 0 else f"[{place}] of ", above=0.0)
-    return tuple(float(factor) for factor in value)
+    if not isinstance(value, list):
+        raise InputError(
+            "a list of factors is wanted", where="starts", value=value, limit="[0.3,3]",
+            remedy="write starts=[0.3,3], in quotes if the shell minds brackets, or starts=[]",
+        )  # fmt: skip
+    return tuple(number({"starts": factor}, "starts", above=0.0) for factor in value)
 
 
 def _asked(settings: Mapping[str, Any], fitted: Fitted | None) -> dict[str, Any]:

@@ -7,13 +7,14 @@ from thermo.identify._expected_error import ExpectedError, expected_errors
 from thermo.identify._finding import Finding, Verdict, findings
 from thermo.identify._identifiability import Identifiability, identifiability
 from thermo.identify._next_run import NextRun, next_runs
-from thermo.identify._path import Model
+from thermo.identify._path import LEVEL, Model
 from thermo.identify._profile import Profile, profile
 from thermo.identify._shift import Shift, shifts, unknowns_of
 from thermo.identify._spectrum import Spectrum, spectrum
 from thermo.identify._variance_split import VarianceSplit, split_variance
 
 __all__ = [
+    "LEVEL",
     "Alike",
     "Basins",
     "Combination",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Final, final
@@ -33,13 +34,13 @@ class Combination:
             return f"{names[0]} is not determined"
         if max(exponents) - min(exponents) < _NOTHING:
             return (
-                f"{_listed(names)} may all be multiplied by one factor: "
+                f"{listed(names)} may all be multiplied by one factor: "
                 "only their ratios are determined"
             )
         first, *others = sorted(names, key=lambda name: -abs(self.weights[name]))
         lead = self.weights[first]
         powers = [f"{name} by f^{_exponent(self.weights[name] / lead)}" for name in others]
-        return f"{first} may be multiplied by any factor f together with {_listed(powers)}"
+        return f"{first} may be multiplied by any factor f together with {listed(powers)}"
 
 
 def combinations(
@@ -90,5 +91,6 @@ def _exponent(value: float) -> str:
     return str(simple) if abs(float(simple) - value) < _NOTHING else f"{value:.2f}"
 
 
-def _listed(words: list[str]) -> str:
+def listed(words: Sequence[str]) -> str:
+    """One phrase of all words, the last after an `and`."""
     return " and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else words[0]

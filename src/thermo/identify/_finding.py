@@ -9,8 +9,9 @@ import numpy as np
 
 from thermo.errors import InputError
 from thermo.fields import QUANTITIES
+from thermo.identify._information import bounds_of
 from thermo.identify._spectrum import Spectrum
-from thermo.inverse import SCALES, Sensitivity
+from thermo.inverse import Sensitivity
 
 Verdict = Literal["identified", "weak", "not_identified", "at_bound"]
 """What is said of an unknown."""
@@ -78,11 +79,10 @@ def _finding(at: Sensitivity, found: Spectrum, name: str, wanted: float) -> Find
     before, after = float(np.sum(along**2)), float(np.sum(along**2 * (1 - known)))
     led = np.arange(len(known)) < found.data_led()
     prior_left = float(np.sum((along**2 * (1 - known))[~led])) / after
-    bounds = QUANTITIES[name] if name in QUANTITIES else SCALES[name]
     unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
     middle = float(mean @ np.log(at.values))
     relative, informed = float(np.sqrt(after)), 1 - after / before
-    low, high = np.log([bounds.lower, bounds.upper])
+    low, high = np.log(bounds_of(name))
     ends = np.exp(np.clip([middle - NORMAL * relative, middle + NORMAL * relative], low, high))
     return Finding(
         name=name,

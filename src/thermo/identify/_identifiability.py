@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import final
 
 from thermo.identify._collinearity import Alike, alike
-from thermo.identify._combination import Combination
+from thermo.identify._combination import Combination, listed
 from thermo.identify._finding import Finding, findings
 from thermo.identify._spectrum import Spectrum, spectrum
 from thermo.inverse import Sensitivity
@@ -37,7 +37,7 @@ class Identifiability:
         told = [_sentence(item, "to be known" if before else "known") for item in self.findings]
         told += [f"The data leave to the prior: {one.words()}." for one in self.free]
         told += [
-            f"{', '.join(one.names[:-1])} and {one.names[-1]} have effects that look alike "
+            f"{listed(one.names)} have effects that look alike "
             f"(index {one.index:.0f}): measure {one.measure}, for example."
             for one in self.alike
         ]

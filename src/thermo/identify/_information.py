@@ -6,7 +6,8 @@ import numpy as np
 from jaxtyping import Float
 
 from thermo.errors import InputError
-from thermo.inverse import Sensitivity
+from thermo.fields import QUANTITIES
+from thermo.inverse import SCALES, Sensitivity
 
 
 def check_model_error(model_error: float) -> None:
@@ -42,6 +43,12 @@ def information(at: Sensitivity, model_error: float) -> Float[np.ndarray, "unkno
         share = stays / (noise**2 + len(slopes) * stays)
         total += (each - share * over_time.T @ over_time) / noise**2
     return total
+
+
+def bounds_of(name: str) -> tuple[float, float]:
+    """Least and largest value of a quantity [SI] or of a factor [1]."""
+    found = QUANTITIES[name] if name in QUANTITIES else SCALES[name]
+    return found.lower, found.upper
 
 
 def numbered(names: tuple[str, ...]) -> tuple[str, ...]:

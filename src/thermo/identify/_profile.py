@@ -51,9 +51,13 @@ class Profile:
     linear: float
     kind: Kind
 
+    def optimum(self) -> float:
+        """Where the rise is least [1]."""
+        return float(self.values[int(np.argmin(self.rises))])
+
     def nonlinear(self) -> bool:
         """Whether an end that was reached lies off the linear one by more than a fifth."""
-        middle = self.values[int(np.argmin(self.rises))]
+        middle = self.optimum()
         halves = [abs(end - middle) for end in (self.lower, self.upper) if end is not None]
         return any(abs(half / self.linear - 1) > APART for half in halves)
 

@@ -10,10 +10,9 @@ import numpy as np
 from jaxtyping import Float
 
 from thermo.errors import InputError
-from thermo.fields import QUANTITIES
 from thermo.identify._combination import Combination, combinations
-from thermo.identify._information import information, numbered
-from thermo.inverse import SCALES, Sensitivity
+from thermo.identify._information import bounds_of, information, numbered
+from thermo.inverse import Sensitivity
 
 _ROUNDING: Final = 1e-12
 """Eigenvalues below this share of the largest are rounding [1]."""
@@ -123,7 +122,7 @@ def _prior(names: tuple[str, ...], stated: Mapping[str, float]) -> Float[np.ndar
         )  # fmt: skip
 
     def even(name: str) -> float:
-        quantity = QUANTITIES[name] if name in QUANTITIES else SCALES[name]
-        return float(np.log(quantity.upper / quantity.lower) / np.sqrt(12))
+        lower, upper = bounds_of(name)
+        return float(np.log(upper / lower) / np.sqrt(12))
 
     return np.array([stated.get(name) or even(name) for name in names])

@@ -24,7 +24,7 @@ from thermo.inverse._field_choice import (
 from thermo.inverse._field_scores import FieldScores, field_scores
 from thermo.inverse._first_order import Adam, LimitedMemoryBfgs
 from thermo.inverse._forward import Prediction, Scores, score
-from thermo.inverse._invert import invert
+from thermo.inverse._invert import UNEXPLAINED, invert
 from thermo.inverse._least_squares import GaussNewtonKrylov, LevenbergMarquardt
 from thermo.inverse._log_model import LogModel, log_model
 from thermo.inverse._objective import Objective, residual
@@ -39,6 +39,7 @@ __all__ = [
     "PREDICTION_NODES",
     "SCALES",
     "SCANNED_CONDUCTIVITIES",
+    "UNEXPLAINED",
     "AbstractFieldChoice",
     "AbstractOptimiser",
     "AbstractStagedChoice",

@@ -58,10 +58,8 @@ def constant_error(
     known = np.isfinite(quiet)
     count = np.maximum(known.sum(0), 1)
     error = np.where(known, quiet - run.initial_temperature, 0.0).sum(0) / count
-    # Of a mean of n readings that fade, for n well above 1 / (1 - r).
-    own = noise.white**2 * np.minimum((1 + noise.correlation) / (1 - noise.correlation) / count, 1)
     # A sample that is never seen quiet keeps its values, and an error as the others have it.
-    return error, np.where(known.any(0), own, noise.offset**2)
+    return error, np.where(known.any(0), noise.mean_variance(count), noise.offset**2)
 
 
 def make_case(

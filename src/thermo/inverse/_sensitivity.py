@@ -155,8 +155,7 @@ def _by_run(
         here = matrix[part].reshape(*weight.shape, -1)
         slopes[run.name] = here[:, : len(run.recording.points)]
         found = estimate_noise(run.recording)
-        wider = (1 + found.correlation) / (1 - found.correlation)
-        noise[run.name] = float(found.white * np.sqrt(wider))
+        noise[run.name] = found.long_run()
         staying[run.name] = float(np.sqrt(np.mean(constant_error(run, found)[1])))
     values = {name: one.control_values() for name, one in objective.fields.items()}
     columns = tuple(name for name, each in values.items() for _ in range(each.size))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Final, final
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from ._recording import Recording
 
@@ -35,6 +35,14 @@ class Noise:
     white: float
     offset: float
     correlation: float = 0.0
+
+    def long_run(self) -> float:
+        """What the fluctuation weighs in a mean of many frames, white sqrt((1 + r)/(1 - r)) [K]."""
+        return float(self.white * np.sqrt((1 + self.correlation) / (1 - self.correlation)))
+
+    def mean_variance(self, count: Int[np.ndarray, "..."]) -> Float[np.ndarray, "..."]:
+        """Variance of the fluctuation in a mean of `count` [1] frames, many of them [K2]."""
+        return np.minimum(self.long_run() ** 2 / count, self.white**2)
 
     def total(self) -> float:
         """Return the standard deviation of one reading, sqrt(white^2 + offset^2) [K]."""
@@ -77,9 +85,8 @@ def _from_quiet(quiet: Float[np.ndarray, "quiet samples"]) -> tuple[float, float
     if seen.sum() < 2:
         return float(np.sqrt(variance)), 0.0, correlation
     mean = np.where(known, quiet, 0.0).sum(axis=0)[seen] / count[seen]
-    # Variance of a mean of n autoregressive readings, for n well above 1 / (1 - r).
-    share = (1.0 + correlation) / (1.0 - correlation) / count[seen]
-    own = variance * float(np.mean(np.minimum(share, 1.0)))
+    alone = Noise(white=float(np.sqrt(variance)), offset=0.0, correlation=correlation)
+    own = float(np.mean(alone.mean_variance(count[seen])))
     offset = float(np.sqrt(max(float(np.var(mean, ddof=1)) - own, 0.0)))
     return float(np.sqrt(variance)), offset, correlation
 

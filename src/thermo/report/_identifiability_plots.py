@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 from plotly.graph_objects import Bar, Figure, Heatmap, Scatter, Scatter3d
 
+from thermo.identify import LEVEL
+
 _COLOURS = {
     "identified": "#1b6e3c",
     "weak": "#d08a00",
     "not_identified": "#a3242b",
     "at_bound": "#a3242b",
 }
-_LEVEL = 3.841458820694124  # rise of chi squared at the ends of a 95 % interval
 _HEIGHT = 340
 
 Record = Mapping[str, Any]
@@ -89,15 +90,15 @@ def profile(name: str, found: Record, unit: str) -> Figure:
     values, rises = (np.asarray(found[key], float) for key in ("values", "rises"))
     dense = np.geomspace(values.min(), values.max(), 100)
     half = np.log(found["linear"][1] / found["best"]) if found["linear"][1] else np.inf
-    parabola = _LEVEL * (np.log(dense / found["best"]) / half) ** 2
+    parabola = LEVEL * (np.log(dense / found["best"]) / half) ** 2
     figure = Figure([
         Scatter(x=values, y=rises, mode="lines+markers", name="profile"),
         Scatter(x=dense, y=parabola, mode="lines", name="from the slopes", line={"dash": "dot"}),
     ])  # fmt: skip
     across = name if unit == "1" else f"{name} [{unit}]"
     _titled(figure, f"{name}: {found['kind']}", across, "rise of chi squared")
-    figure.add_hline(y=_LEVEL, line_dash="dash", line_color="#666")
-    return figure.update_yaxes(range=[0, 2 * _LEVEL])
+    figure.add_hline(y=LEVEL, line_dash="dash", line_color="#666")
+    return figure.update_yaxes(range=[0, 2 * LEVEL])
 
 
 def response(run: str, found: Record) -> Figure:

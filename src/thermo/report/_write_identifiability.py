@@ -78,7 +78,7 @@ def _profile(found: Profile | None) -> dict[str, Any] | None:
     if found is None:
         return None
     ends = [None if end is None else float(np.exp(end)) for end in (found.lower, found.upper)]
-    best = found.values[int(np.argmin(found.rises))]
+    best = found.optimum()
     return {
         "kind": found.kind,
         "lower": ends[0],
