@@ -86,6 +86,35 @@ def test_a_spent_budget_leaves_the_rest_and_says_so(
     assert any("no starts" in line for line in found["left_out"])
 
 
+def test_after_a_fit_of_a_field_its_places_and_predictions_have_bands(
+    command: Command, block: Path, cache: str, tmp_path: Path
+) -> None:
+    fit, out = tmp_path / "fit", tmp_path / "out"
+    coarse = (
+        "mesh=tet4",
+        "mesh.max_nodes=1500",
+        "mesh.corrected=false",
+        "integrator.tolerance=0.1",
+    )
+    asked = ("field=patchwise", "field.patches=3", "prior.step=0.2", "optimiser.max_steps=2")
+    outcome = command("invert", f"data={block}", f"out={fit}", cache, *coarse, *asked)
+    assert outcome.code == 0, outcome.err
+    words = ("identify", f"data={block}", f"estimate={fit}", cache, *MESH)
+    outcome = command(*words, f"out={out}", "controls=6", "bands=3", "budget=600")
+    assert outcome.code == 0, outcome.err
+    found = record(out)
+    field = found["fields"]["conductivity"]
+    assert field["controls"] == 6 and [one["step"] for one in field["smoothness"]] == [0.2]
+    assert list(found["bands"]) == ["test_lamp"] and 0 < found["bands"]["test_lamp"]["inside"] <= 1
+    assert found["surface"] is not None and (out / "fields.npz").exists()
+    assert any("geometric mean over the surface" in line for line in found["sentences"])
+    assert any("one value each says nothing" in line for line in found["left_out"])
+    left = tmp_path / "left"
+    assert command(*words, f"out={left}", "controls=0").code == 0
+    assert record(left)["fields"] == {}
+    assert any("controls is 0" in line for line in record(left)["left_out"])
+
+
 @pytest.mark.parametrize(
     ("words", "parts"),
     [
@@ -102,6 +131,8 @@ def test_a_spent_budget_leaves_the_rest_and_says_so(
         (["starts=3"], ["starts", "[0.3,3]"]),
         (["doubt.conductivity=0.1"], ["doubt.conductivity"]),
         (["draws=-1"], ["draws", "-1"]),
+        (["controls=-1"], ["controls", "-1"]),
+        (["bands=few"], ["bands", "few"]),
     ],
 )
 def test_what_cannot_be_asked_is_refused(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from thermo.inverse._evidence import LEAST_STEP, Linearised, most_probable_steps
+from thermo.inverse._evidence import LEAST_STEP, Linearised, likely_steps, most_probable_steps
 
 CONTROLS, VALUES = 40, 400
 PAIRS = np.diff(np.eye(CONTROLS), axis=0)
@@ -125,3 +125,40 @@ def test_a_field_without_neighbours_and_data_without_knowledge_are_no_trouble() 
     assert np.isfinite(list(steps.values())).all() and steps["k"] >= LEAST_STEP
     move, _ = blind.solve(steps)
     assert np.allclose(PAIRS @ move, -blind.apart["k"], atol=1e-6)
+
+
+@pytest.mark.parametrize("step", [0.03, 0.3])
+def test_likely_steps_hold_the_true_one_and_sum_to_one(step: float) -> None:
+    found = likely_steps(problem(walk(step, 1), noise=0.1))
+    weights = np.array([weight for _, weight in found])
+    steps = np.array([one["k"] for one, _ in found])
+    assert weights.sum() == pytest.approx(1.0) and len(found) > 1
+    mean = weights @ np.log(steps)
+    assert abs(mean - np.log(step)) < 3 * np.sqrt(weights @ (np.log(steps) - mean) ** 2) + 0.25
+
+
+def test_one_value_leaves_small_steps_alike() -> None:
+    found = likely_steps(problem(np.zeros(CONTROLS), noise=0.1))
+    assert min(one["k"] for one, _ in found) == LEAST_STEP
+    assert max(one["k"] for one, _ in found) < 0.2
+
+
+def test_steps_of_several_fields_are_weighed_together() -> None:
+    rough, even = problem(walk(0.3, 1), noise=0.1), problem(np.zeros(CONTROLS), noise=0.1)
+    none = np.zeros_like(PAIRS)
+    both = Linearised(
+        np.block([
+            [rough.information, np.zeros_like(rough.information)],
+            [np.zeros_like(rough.information), even.information],
+        ]),
+        np.concatenate([rough.slope, even.slope]),
+        {"rough": np.hstack([PAIRS, none]), "even": np.hstack([none, PAIRS])},
+        {"rough": np.zeros(len(PAIRS)), "even": np.zeros(len(PAIRS))},
+    )  # fmt: skip
+    found = likely_steps(both)
+    mean = {
+        name: np.exp(sum(weight * np.log(one[name]) for one, weight in found))
+        for name in ("rough", "even")
+    }
+    assert mean["rough"] == pytest.approx(0.3, rel=0.5) and mean["even"] < 0.03
+    assert len(found) < len({one["rough"] for one, _ in found}) * 33

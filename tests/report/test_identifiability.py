@@ -11,19 +11,29 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from posteriors import left, smoothness
 
 from thermo.identify import basins, identifiability, profile
-from thermo.inverse import Sensitivity
+from thermo.inverse import Band, Sensitivity
 from thermo.observe import Recording, Run
 from thermo.report import (
+    band_record,
+    field_record,
     identifiability_record,
     identifiability_table,
+    surface_record,
+    write_fields_left,
     write_identifiability,
 )
 
 NAMES = ("conductivity", "convection", "emissivity")
 FRAMES, SAMPLES = 12, 40
 VERDICTS = {"identified", "weak", "not_identified", "at_bound"}
+
+
+def band() -> Band:
+    deviation = np.tile(np.linspace(0.0, 0.2, 5), (4, 1))
+    return Band(np.arange(4.0), np.zeros((5, 3)), deviation, 0.94)
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +61,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         {"name": "convection", "held": "heater_power", "doubt": 0.02, "relative": 0.0488,
          "deviations": 4.0}
     ]  # fmt: skip
+    open_, bands = left(smoothness(0.1, prior=2.0)), {"test": band()}
+    data |= {"fields": field_record(open_), "surface": surface_record(open_)}
+    data["bands"] = band_record(bands)
     out = tmp_path_factory.mktemp("page")
+    write_fields_left(out / "fields.npz", open_, bands, draws=3, seed=1)
     write_identifiability(out, data, "A block <script>")
     return out
 
@@ -80,6 +94,29 @@ def test_the_record_keeps_the_contract(folder: Path) -> None:
     assert record["left_out"] == ["Bands & more"]
     assert len(record["maps"]["lamp"]["points"]) == SAMPLES
     assert "jax" in record["versions"]
+
+
+def test_fields_and_bands_are_kept_with_what_the_maps_show(folder: Path) -> None:
+    record = json.loads((folder / "identifiability.json").read_text())
+    found, open_ = record["fields"]["convection"], left(smoothness(0.1, prior=2.0))
+    assert found["unit"] == "W/m2/K" and found["data_led"] == 16 and found["controls"] == 8
+    assert found["deviation"]["median"] == pytest.approx(np.median(open_.deviation("convection")))
+    assert found["smoothness"] == [{"step": 0.3, "probability": 1.0}]
+    assert set(found["maps"]) == {"value [W/m2/K]", "95 % band [%]", "informed by data"}
+    assert all(len(values) == len(open_.mesh.faces) for values in found["maps"].values())
+    faces = np.asarray(record["surface"]["faces"])
+    assert faces.max() == len(record["surface"]["points"]) - 1
+    assert record["bands"]["test"] == {
+        "deviation_K": {"p05": 0.0, "median": 0.1, "p95": 0.2, "max": 0.2}, "inside": 0.94
+    }  # fmt: skip
+    with np.load(folder / "fields.npz", allow_pickle=False) as kept:
+        assert kept["conductivity_draws"].shape == (3, len(open_.mesh.faces))
+        assert np.array_equal(kept["band_test"], band().deviation)
+        assert np.allclose(kept["conductivity_deviation"], open_.deviation("conductivity"))
+
+
+def test_without_fields_there_is_no_surface() -> None:
+    assert field_record(None) == {} and surface_record(None) is None
 
 
 def test_the_table_names_each_unknown(folder: Path) -> None:
@@ -118,10 +155,15 @@ def test_the_page_is_whole_and_asks_for_nothing(folder: Path) -> None:
         "maps",
         "left",
         "versions",
+        "fields",
+        "bands",
     }
-    assert wanted <= set(checker.ids) and {"maps-0", "directions-2", "profiles-0"} <= set(
-        checker.ids
-    )
+    assert wanted <= set(checker.ids) and {
+        "maps-0",
+        "directions-2",
+        "profiles-0",
+        "fields-1",
+    } <= set(checker.ids)
     assert len(checker.ids) == len(set(checker.ids))
     shown = re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)
     assert "A block &lt;script&gt;" in shown

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
@@ -10,7 +11,7 @@ from typing import Any, final
 import numpy as np
 
 from thermo.errors import InputError
-from thermo.inverse import load_estimate
+from thermo.inverse import ALL_BUT_UNIFORM, load_estimate
 from thermo.mesh import read_surface
 from thermo.observe import Scene
 
@@ -21,11 +22,20 @@ _ALIKE = 0.03
 @final
 @dataclass(frozen=True)
 class Fitted:
-    """`runs` and `unknown` of a fit, and `values` by quantity, what was stated or a median [SI]."""
+    """`runs` and `unknown` of a fit, and `values` by quantity, what was stated or a median [SI].
 
+    - `folder`: where it is; `settings`: those of `thermo invert`.
+    - `varies`: whether its unknowns were fields and not one value each, and `uneven`: whether they
+      came out as other than one value.
+    """
+
+    folder: Path
     runs: tuple[str, ...]
     unknown: tuple[str, ...]
     values: dict[str, float]
+    settings: Mapping[str, Any]
+    varies: bool
+    uneven: bool
 
 
 def read_fitted(folder: Path) -> Fitted:
@@ -36,7 +46,7 @@ def read_fitted(folder: Path) -> Fitted:
     path = folder / "result.json"
     try:
         record = json.loads(path.read_text("utf-8"))
-        return _fitted(record)
+        return _fitted(folder, record)
     except (OSError, ValueError, KeyError, TypeError) as fault:
         raise InputError(
             "this is no finished fit",
@@ -47,13 +57,17 @@ def read_fitted(folder: Path) -> Fitted:
         ) from fault
 
 
-def _fitted(record: dict[str, Any]) -> Fitted:
+def _fitted(folder: Path, record: dict[str, Any]) -> Fitted:
     if record["verb"] != "invert":
         raise ValueError(f"it is of thermo {record['verb']}")
     medians = {name: float(item["median"]) for name, item in record["fields"].items()}
     stated = record["configuration"]["initial"]
     given = {name: float(value) for name, value in stated.items() if value is not None}
-    return Fitted(tuple(record["fit"]["rmse"]), tuple(medians), given | medians)
+    settings = record["configuration"]
+    runs, varies = tuple(record["fit"]["rmse"]), settings["field"]["kind"] != "uniform"
+    spreads = [float(item["p95"]) / float(item["p05"]) - 1 for item in record["fields"].values()]
+    uneven = varies and max(spreads) > ALL_BUT_UNIFORM
+    return Fitted(folder, runs, tuple(medians), given | medians, settings, varies, uneven)
 
 
 def check_same_body(folder: Path, scene: Scene) -> None:

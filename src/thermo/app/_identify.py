@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,17 +20,30 @@ from thermo.app._configuration import (
     names,
     number,
 )
+from thermo.app._fields_left import FieldsLeft, WantedOfFields, fields_left
 from thermo.app._fitted import Fitted, check_same_body, read_fitted
 from thermo.app._refits import Refits, Wanted, refit
 from thermo.errors import InputError
 from thermo.fields import QUANTITIES
-from thermo.identify import Identifiability, Shift, identifiability, shifts, unknowns_of
-from thermo.inverse import SCALES, UNEXPLAINED, Uniform
+from thermo.identify import (
+    Identifiability,
+    Shift,
+    field_findings,
+    field_sentences,
+    identifiability,
+    shifts,
+    unknowns_of,
+)
+from thermo.inverse import SCALES, UNEXPLAINED, FieldPosterior, Uniform
 from thermo.observe import Scene, read_scene
 from thermo.report import (
+    band_record,
+    field_record,
     identifiability_record,
     identifiability_table,
     require_writable,
+    surface_record,
+    write_fields_left,
     write_identifiability,
 )
 
@@ -45,12 +58,7 @@ def identify(settings: Mapping[str, Any]) -> None:
     choice = build_field(settings["field"])
     wanted = number(settings, "wanted", above=0.0)
     model_error = number(settings, "model_error", above=0.0)
-    refits = Wanted(
-        _budget(settings),
-        _starts(settings["starts"]),
-        number(settings, "draws", whole=True, above=-1),
-        number(settings, "seed", whole=True),
-    )
+    refits, of_fields = _wanted(settings)
     scene = read_scene(Path(settings["data"]))
     every = asked["unknown"] or scene.unknown
     _check_unknown(every)
@@ -68,11 +76,18 @@ def identify(settings: Mapping[str, Any]) -> None:
     found = identifiability(at, prior=prior, model_error=model_error, wanted=wanted)
     runs = [scene.runs[name] for name in at.slopes]
 
-    def leave(more: Refits) -> dict[str, Any]:
-        record = identifiability_record(found, at, runs, more.profiles, more.basins, more.left_out)
+    def leave(more: Refits, left: FieldsLeft) -> dict[str, Any]:
+        told = found if left.posterior is None else _of_fields(found, left.posterior)
+        left_out = [*left.left_out, *more.left_out]
+        record = identifiability_record(told, at, runs, more.profiles, more.basins, left_out)
         record["sentences"] = [
-            *found.sentences(before=fitted is None), *_doubts(found, more), *_moved(moved)
-        ]  # fmt: skip
+            *told.sentences(before=fitted is None),
+            *([] if left.posterior is None else field_sentences(left.posterior)),
+            *_doubts(told, more),
+            *_moved(moved),
+        ]
+        record |= {"fields": field_record(left.posterior), "bands": band_record(left.bands)}
+        record |= {"surface": surface_record(left.posterior)}
         record |= {"shifts": [asdict(one) for one in moved], "misfit": more.misfit}
         record |= {"seconds": time.monotonic() - begun, "model_error": model_error}
         record |= {"before_fit": fitted is None, "configuration": settings}
@@ -81,13 +96,35 @@ def identify(settings: Mapping[str, Any]) -> None:
         return record
 
     why = _no_refits(fitted, scales, choice, refits.budget)
-    record = leave(
-        Refits(left_out=[f"Profiles, basins and scatter: {why or 'they are being made'}."])
-    )
+    none = Refits(left_out=[f"Profiles, basins and scatter: {why or 'they are being made'}."])
+    record, left = leave(none, FieldsLeft()), FieldsLeft()
+    if fitted is not None and fitted.varies:
+        left = fields_left(scene, fitted, of_fields)
+        if left.posterior is not None:
+            asked_of = {"draws": of_fields.bands, "seed": of_fields.seed}
+            write_fields_left(out / "fields.npz", left.posterior, left.bands, **asked_of)
+        record = leave(none, left)
     if not why:
-        record = leave(refit(scene, asked, prior, model_error, refits))
+        record = leave(refit(scene, asked, prior, model_error, refits), left)
     told = "\n".join(record["sentences"])
     print(f"{identifiability_table(record)}\n\n{told}\n\n{out / 'identifiability.html'}")
+
+
+def _wanted(settings: Mapping[str, Any]) -> tuple[Wanted, WantedOfFields]:
+    """What is to be fitted anew, and what is to be told of fields. Raises `InputError`."""
+    budget = _budget(settings)
+    draws = number(settings, "draws", whole=True, above=-1)
+    controls = number(settings, "controls", whole=True, above=-1)
+    bands = number(settings, "bands", whole=True, above=-1)
+    seed = number(settings, "seed", whole=True)
+    refits = Wanted(budget, _starts(settings["starts"]), draws, seed)
+    return refits, WantedOfFields(budget, controls, bands, seed)
+
+
+def _of_fields(found: Identifiability, left: FieldPosterior) -> Identifiability:
+    """The verdicts on the means of fields in place of those on one value each."""
+    means = {item.name: item for item in field_findings(left, wanted=found.wanted)}
+    return replace(found, findings=[means.get(item.name, item) for item in found.findings])
 
 
 def _budget(settings: Mapping[str, Any]) -> float:
@@ -225,4 +262,6 @@ def _no_refits(fitted: Fitted | None, scales: tuple[str, ...], choice: Any, budg
         return f"{', '.join(scales)} cannot be fitted yet"
     if not isinstance(choice, Uniform):
         return "only values of the whole body have them"
+    if fitted.uneven:
+        return "the fit found fields that vary, of which one value each says nothing"
     return ""

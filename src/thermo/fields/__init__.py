@@ -1,5 +1,6 @@
 """Thermophysical fields on the object, from few unconstrained parameters."""
 
+from thermo.fields._departure import DepartingField, departing_field
 from thermo.fields._direct import (
     DirectField,
     control_point_field,
@@ -27,6 +28,7 @@ __all__ = [
     "AbstractHead",
     "Boundary",
     "ControlPoints",
+    "DepartingField",
     "DirectField",
     "Extension",
     "FrozenField",
@@ -36,6 +38,7 @@ __all__ = [
     "Quantity",
     "TwoMaterialField",
     "control_point_field",
+    "departing_field",
     "encode",
     "freeze",
     "network_field",

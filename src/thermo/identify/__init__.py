@@ -4,6 +4,7 @@ from thermo.identify._basins import Basins, basins
 from thermo.identify._collinearity import Alike, alike
 from thermo.identify._combination import Combination
 from thermo.identify._expected_error import ExpectedError, expected_errors
+from thermo.identify._field_finding import field_findings, field_sentences
 from thermo.identify._finding import Finding, Verdict, findings
 from thermo.identify._identifiability import Identifiability, identifiability
 from thermo.identify._next_run import NextRun, next_runs
@@ -31,6 +32,8 @@ __all__ = [
     "alike",
     "basins",
     "expected_errors",
+    "field_findings",
+    "field_sentences",
     "findings",
     "identifiability",
     "next_runs",

@@ -64,12 +64,17 @@ def findings(at: Sensitivity, found: Spectrum, *, wanted: float = 0.1) -> list[F
 
     Raises `InputError` where `wanted` is not above 0.
     """
+    check_wanted(wanted)
+    return [_finding(at, found, name, wanted) for name in dict.fromkeys(at.names)]
+
+
+def check_wanted(wanted: float) -> None:
+    """Refuse half-widths of an interval [1] that cannot be. Raises `InputError`."""
     if not (np.isfinite(wanted) and wanted > 0):
         raise InputError(
             "an interval cannot be this narrow", where="wanted", value=wanted,
             limit="a finite number above 0", remedy="give 0.1 for 10 %",
         )  # fmt: skip
-    return [_finding(at, found, name, wanted) for name in dict.fromkeys(at.names)]
 
 
 def _finding(at: Sensitivity, found: Spectrum, name: str, wanted: float) -> Finding:
@@ -79,11 +84,23 @@ def _finding(at: Sensitivity, found: Spectrum, name: str, wanted: float) -> Find
     before, after = float(np.sum(along**2)), float(np.sum(along**2 * (1 - known)))
     led = np.arange(len(known)) < found.data_led()
     prior_left = float(np.sum((along**2 * (1 - known))[~led])) / after
+    middle, informed = float(mean @ np.log(at.values)), 1 - after / before
+    seen = informed > 0.5 and prior_left < 0.5
+    return finding(name, middle, float(np.sqrt(after)), informed, wanted, led=seen)
+
+
+def finding(
+    name: str, middle: float, relative: float, informed: float, wanted: float, *, led: bool
+) -> Finding:
+    """What is said of one unknown.
+
+    Arguments: log(value) `middle`, its deviation `relative`, the share `informed` of the prior's
+    variance, the half-width `wanted`, all [1]; `led`: whether the data lead.
+    """
     unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
-    middle = float(mean @ np.log(at.values))
-    relative, informed = float(np.sqrt(after)), 1 - after / before
     low, high = np.log(bounds_of(name))
     ends = np.exp(np.clip([middle - NORMAL * relative, middle + NORMAL * relative], low, high))
+    on_bound = bool(min(middle - low, high - middle) < _AT_BOUND)
     return Finding(
         name=name,
         unit=unit,
@@ -92,11 +109,8 @@ def _finding(at: Sensitivity, found: Spectrum, name: str, wanted: float) -> Find
         sd=float(np.exp(middle)) * relative,
         interval95=(float(ends[0]), float(ends[1])),
         informed=informed,
-        verdict=_verdict(
-            NORMAL * relative, wanted, informed > 0.5 and prior_left < 0.5,
-            bool(min(middle - low, high - middle) < _AT_BOUND),
-        ),
-    )  # fmt: skip
+        verdict=_verdict(NORMAL * relative, wanted, led, on_bound),
+    )
 
 
 def _verdict(half: float, wanted: float, led: bool, on_bound: bool) -> Verdict:

@@ -1,5 +1,6 @@
 """From recordings to fields, and from fields to predictions."""
 
+from thermo.inverse._bands import Band, bands
 from thermo.inverse._body import SCANNED_CONDUCTIVITIES, Meshing
 from thermo.inverse._checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from thermo.inverse._estimate import (
@@ -21,6 +22,7 @@ from thermo.inverse._field_choice import (
     TwoMaterials,
     Uniform,
 )
+from thermo.inverse._field_posterior import FieldPosterior, Smoothness
 from thermo.inverse._field_scores import FieldScores, field_scores
 from thermo.inverse._first_order import Adam, LimitedMemoryBfgs
 from thermo.inverse._forward import Prediction, Scores, score
@@ -29,13 +31,17 @@ from thermo.inverse._least_squares import GaussNewtonKrylov, LevenbergMarquardt
 from thermo.inverse._log_model import LogModel, log_model
 from thermo.inverse._objective import Objective, residual
 from thermo.inverse._optimiser import AbstractOptimiser
+from thermo.inverse._posterior import CONTROLS, posterior
 from thermo.inverse._predict import PREDICTION_NODES, predict, simulate
 from thermo.inverse._scale import SCALES, Scale
 from thermo.inverse._sensitivity import Sensitivity, sensitivity
+from thermo.inverse._smoothing import ALL_BUT_UNIFORM
 from thermo.inverse._stepping import Stepping
 from thermo.inverse._task import Prior
 
 __all__ = [
+    "ALL_BUT_UNIFORM",
+    "CONTROLS",
     "PREDICTION_NODES",
     "SCALES",
     "SCANNED_CONDUCTIVITIES",
@@ -44,8 +50,10 @@ __all__ = [
     "AbstractOptimiser",
     "AbstractStagedChoice",
     "Adam",
+    "Band",
     "Checkpoint",
     "Estimate",
+    "FieldPosterior",
     "FieldScores",
     "GaussNewtonKrylov",
     "LevenbergMarquardt",
@@ -63,14 +71,17 @@ __all__ = [
     "Scale",
     "Scores",
     "Sensitivity",
+    "Smoothness",
     "Stepping",
     "TwoMaterials",
     "Uniform",
+    "bands",
     "field_scores",
     "invert",
     "load_checkpoint",
     "load_estimate",
     "log_model",
+    "posterior",
     "predict",
     "residual",
     "save_checkpoint",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, final
@@ -18,6 +19,10 @@ _TRIED: Final = np.geomspace(LEAST_STEP, MOST_STEP, 33)
 # is very strong [1] (Kass and Raftery). The best step was sought, and errors are known roughly
 # only, so less is no ground to call a body uneven.
 _VERY_STRONG: Final = 10.0
+# So many combinations of steps of several fields are looked at, at the most, and those that are
+# less likely than the likeliest by this factor are left out [1].
+_COMBINATIONS: Final = 1000
+_UNLIKELY: Final = 1e-4
 # With several fields one step is chosen after the other, so often [1].
 _ROUNDS: Final = 3
 # Curvature of directions that nothing is known of, absolute and as a share of the data's largest
@@ -103,3 +108,25 @@ def most_probable_steps(near: Linearised) -> dict[str, float]:
             strong = 2 * (likely[best] - likely[0]) > _VERY_STRONG
             steps[name] = float(_TRIED[best]) if strong else LEAST_STEP
     return steps
+
+
+def likely_steps(near: Linearised) -> list[tuple[dict[str, float], float]]:
+    """Steps of all fields that the data allow, and how probable they make each [1].
+
+    Before the data all steps between the least and the most are alike on a logarithmic scale. A
+    field without neighbours has any step.
+
+    Source: MacKay (1992), section 3: the evidence as the probability of a hyperparameter.
+    """
+    varied = [name for name, rows in near.rough.items() if np.any(rows)]
+    count = min(len(_TRIED), int(_COMBINATIONS ** (1 / max(len(varied), 1))))
+    tried = np.geomspace(LEAST_STEP, MOST_STEP, count)
+    steps = [
+        {**dict.fromkeys(near.rough, 1.0), **dict(zip(varied, map(float, values), strict=True))}
+        for values in itertools.product(tried, repeat=len(varied))
+    ]
+    logs = np.array([near.log_evidence(one) for one in steps])
+    weights = np.exp(logs - logs.max())
+    kept = weights > _UNLIKELY
+    weights = np.where(kept, weights, 0.0) / weights[kept].sum()
+    return [(one, float(weight)) for one, weight in zip(steps, weights, strict=True) if weight > 0]

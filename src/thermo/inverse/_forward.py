@@ -98,26 +98,10 @@ def forward(
     """
     space = discretise(of_order(mesh, order))
     readout, _ = bind(run.recording, space.mesh, where=where)
-    readout = _with_corners(readout, space, mesh)
-    first = next(iter(bodies.values()))
-    grid = free_grid(mesh, first, run, tolerance=tolerance)
-    under = conditions(run, space)
+    results = _each(space, mesh, run, bodies, tolerance, _with_corners(readout, space, mesh))
     recording = run.recording
     measured = np.where(recording.valid, recording.temperature, np.nan)
     samples = len(recording.points)
-    # Equal bodies are simulated once.
-    like = {
-        name: next(other for other in bodies if _equal(bodies[other], body))
-        for name, body in bodies.items()
-    }
-    different = list(dict.fromkeys(like.values()))
-    models = [make_model(space, bodies[name], under) for name in different]
-    ends = np.asarray(grid.frame_time)
-    found = {
-        name: between_steps(ends, values, recording.time, switches(run))
-        for name, values in zip(different, solve_each(models, under, grid, readout), strict=True)
-    }
-    results = {name: found[other] for name, other in like.items()}
     scores = {name: score(result[:, :samples], measured) for name, result in results.items()}
     first = next(iter(results.values()))
     frames = len(recording.time)
@@ -132,3 +116,43 @@ def forward(
         nodal_time=recording.time[moments],
         nodal=first[moments, samples:],
     )
+
+
+def temperatures(
+    mesh: Mesh, order: int, run: Run, bodies: dict[str, Properties], tolerance: float, where: str
+) -> dict[str, Float[np.ndarray, "frames samples"]]:
+    """What each of `bodies` reads at a recording's samples and frames [K].
+
+    Arguments as for `forward`; steps [s] are those that the first body asks for.
+
+    Raises `InputError` where samples lie away from the surface.
+    """
+    space = discretise(of_order(mesh, order))
+    readout, _ = bind(run.recording, space.mesh, where=where)
+    return _each(space, mesh, run, bodies, tolerance, readout)
+
+
+def _each(
+    space: Discretisation,
+    mesh: Mesh,
+    run: Run,
+    bodies: dict[str, Properties],
+    tolerance: float,
+    readout: ReadOut,
+) -> dict[str, Float[np.ndarray, "frames read"]]:
+    first = next(iter(bodies.values()))
+    grid = free_grid(mesh, first, run, tolerance=tolerance)
+    under = conditions(run, space)
+    # Equal bodies are simulated once.
+    like = {
+        name: next(other for other in bodies if _equal(bodies[other], body))
+        for name, body in bodies.items()
+    }
+    different = list(dict.fromkeys(like.values()))
+    models = [make_model(space, bodies[name], under) for name in different]
+    ends = np.asarray(grid.frame_time)
+    found = {
+        name: between_steps(ends, values, run.recording.time, switches(run))
+        for name, values in zip(different, solve_each(models, under, grid, readout), strict=True)
+    }
+    return {name: found[other] for name, other in like.items()}

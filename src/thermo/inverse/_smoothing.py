@@ -49,6 +49,22 @@ class Choice:
     weights: Float[np.ndarray, " runs"]
 
 
+@final
+@dataclass(frozen=True)
+class Nearby:
+    """A fit near where it stands.
+
+    - `fit`: with what its readings are worth; `weights`: as of `Choice` [1].
+    - `slopes`: of the whitened residual, times what each reading is worth, (values, unknowns) [1].
+    - `beliefs`: information of the priors other than smoothness, (unknowns, unknowns) [1].
+    """
+
+    fit: Linearised
+    weights: Float[np.ndarray, " runs"]
+    slopes: Float[np.ndarray, "values unknowns"]
+    beliefs: Float[np.ndarray, "unknowns unknowns"]
+
+
 def ask_data(objective: Objective, samples: Sequence[np.ndarray]) -> Choice:
     """The smoothness and the weights [1] that the data ask for where a fit stands.
 
@@ -63,6 +79,15 @@ def ask_data(objective: Objective, samples: Sequence[np.ndarray]) -> Choice:
     - `objective`: its fields stand where the fit does; its weights are the first ones. Slopes
       are those of its `tangents`, where it has them.
     - `samples`: where the samples of each run are, (samples, 3) [m].
+    """
+    near = linearised(objective, samples)
+    return Choice(most_probable_steps(near.fit), near.weights)
+
+
+def linearised(objective: Objective, samples: Sequence[np.ndarray]) -> Nearby:
+    """A fit near where it stands, each of its runs worth the independent readings it holds [1].
+
+    Arguments as for `ask_data`, which says how the weights of the runs are found.
     """
     data, slopes = _linearise(objective)
     beliefs, rough, apart = _priors(objective)
@@ -81,7 +106,8 @@ def ask_data(objective: Objective, samples: Sequence[np.ndarray]) -> Choice:
         square = float(np.mean(rest[part][known.ravel()] ** 2))
         inflation = max(1.0, square * repeats(error, known[:, : len(places)], places))
         share[part], weights[run] = 1 / inflation, 1 / np.sqrt(inflation)
-    return Choice(most_probable_steps(near(share)), weights)
+    own = beliefs[1].T @ beliefs[1]
+    return Nearby(near(share), weights, slopes * share[:, None], own)
 
 
 def much_the_same(one: Objective, other: Objective) -> bool:

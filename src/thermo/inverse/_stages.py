@@ -106,7 +106,7 @@ def _asked_stage(
     objective = with_defects(make_objective(task, ready, order), apart)
     here = objective
     if here.tangents is None:
-        here = replace(here, tangents=_tangents(task, ready))
+        here = replace(here, tangents=coarse_tangents(task, ready))
     choice = ask_data(here, [run.recording.points for run in task.runs])
     chosen = replace(with_choice(objective, choice), gain=GAIN_ASKED)
     return None if not first and much_the_same(before, chosen) else chosen
@@ -151,10 +151,10 @@ def make_objective(task: Task, ready: Ready, order: int) -> Objective:
     plain = _plain(task, ready, order, ready.steps, task.stepping.rtol)
     if not (coarse and isinstance(task.optimiser, LevenbergMarquardt)):
         return plain
-    return replace(plain, tangents=_tangents(task, ready), settled=SETTLED_COARSE)
+    return replace(plain, tangents=coarse_tangents(task, ready), settled=SETTLED_COARSE)
 
 
-def _tangents(task: Task, ready: Ready) -> Objective:
+def coarse_tangents(task: Task, ready: Ready) -> Objective:
     """The objective on linear cells and about half as many steps."""
     steps = {
         run.name: planned_steps(ready.mesh, ready.stated, run, task.stepping, coarser=COARSER)

@@ -157,13 +157,17 @@ def prepare(task: Task) -> Ready:
     if scene.material.conductivity is None and not {"conductivity", "diffusivity"} & set(initial):
         guess = scan_conductivity(scene, surface, list(task.runs), task.meshing)
     stated = state(scene, initial, guess)
-    mesh = make_mesh(scene, surface, stated.of("diffusivity"), task.meshing)
+    return lay_out(task, make_mesh(scene, surface, stated.of("diffusivity"), task.meshing), stated)
+
+
+def lay_out(task: Task, mesh: Mesh, stated: Stated) -> Ready:
+    """Fields, frames and steps of a fit on a mesh [m] that is there, with `stated` values [SI]."""
     fields, pairs = {}, {}
     for number, name in enumerate(task.names):
         first = task.start * stated.of(name)
         made = task.choice.make(QUANTITIES[name], mesh, first, task.seed + number)
         fields[name], pairs[name] = made
-    priors = _priors(fields, pairs, stated, scene, task.prior)
+    priors = _priors(fields, pairs, stated, task.scene, task.prior)
     grids = {run.name: fit_frames(run, task.stepping) for run in task.runs}
     steps = {run.name: planned_steps(mesh, stated, run, task.stepping) for run in task.runs}
     return Ready(mesh, stated, fields, priors, grids, steps)

@@ -1,5 +1,6 @@
 """What a run leaves: JSON, arrays, ParaView files and figures; tables and progress on the way."""
 
+from ._field_record import band_record, field_record, surface_record, write_fields_left
 from ._figure_curves import figure_curves
 from ._figure_field import figure_field
 from ._figure_history import figure_history
@@ -26,6 +27,8 @@ __all__ = [
     "Progress",
     "RepeatedFits",
     "TransferMap",
+    "band_record",
+    "field_record",
     "figure_curves",
     "figure_field",
     "figure_history",
@@ -38,8 +41,10 @@ __all__ = [
     "inversion_table",
     "prediction_table",
     "require_writable",
+    "surface_record",
     "table",
     "versions",
+    "write_fields_left",
     "write_identifiability",
     "write_inversion",
     "write_json",

@@ -10,7 +10,14 @@ import numpy as np
 from plotly.graph_objects import Figure
 from plotly.offline import get_plotlyjs
 
-from ._identifiability_plots import correlations, profile, response, shares, spectrum
+from ._identifiability_plots import (
+    correlations,
+    field_maps,
+    profile,
+    response,
+    shares,
+    spectrum,
+)
 
 _STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 60rem; margin: 2rem auto;
@@ -36,6 +43,8 @@ def identifiability_page(record: Record, title: str) -> str:
         _list(record["sentences"], "verdicts"),
         _section("Parameters", "parameters", _parameters(record)),
         _section("What cannot be known", "unknown", _free(record)),
+        *_fields(record),
+        *_bands(record),
         *_shifts(record),
         _section("Noise", "noise", _noise(record)),
         _section("Directions", "directions", _plots(_directions(record), "directions")),
@@ -102,6 +111,43 @@ def _ends(found: Record | None) -> str:
 def _free(record: Record) -> str:
     found = [item["combination"] for item in record["null_directions"]]
     return _list(found or ["The data lead in every direction."], "free")
+
+
+def _fields(record: Record) -> list[str]:
+    found = record.get("fields", {})
+    if not found:
+        return []
+    header = ["field", "known on half of the faces", "on 95 % of them", "a mean over", "controls",
+              "directions that the data lead"]  # fmt: skip
+    rows = [
+        [name, *(f"{100 * np.expm1(1.96 * item['deviation'][q]):.2g} %" for q in ("median", "p95")),
+         f"{1e3 * item['resolution_m']['median']:.2g} mm", str(item["controls"]),
+         str(item["data_led"])]
+        for name, item in found.items()
+    ]  # fmt: skip
+    surface = record["surface"]
+    drawn = [
+        field_maps(name, item["maps"], surface)
+        for name, item in found.items()
+        if surface is not None
+    ]
+    body = _table(header, rows, ["field"] * len(rows))
+    return [_section("From place to place", "fields", f"{body}\n{_plots(drawn, 'fields')}")]
+
+
+def _bands(record: Record) -> list[str]:
+    found = record.get("bands", {})
+    if not found:
+        return []
+    header = ["run", "deviation of half of the predicted temperatures [K]", "of 95 % [K]",
+              "largest [K]", "readings inside the 95 % band"]  # fmt: skip
+    rows = [
+        [name, *(f"{item['deviation_K'][q]:.2g}" for q in ("median", "p95", "max")),
+         f"{item['inside']:.1%}"]
+        for name, item in found.items()
+    ]  # fmt: skip
+    body = _table(header, rows, ["band"] * len(rows))
+    return [_section("Predictions", "bands", body)]
 
 
 def _shifts(record: Record) -> list[str]:

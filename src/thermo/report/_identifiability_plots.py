@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from plotly.graph_objects import Bar, Figure, Heatmap, Scatter, Scatter3d
+from plotly.graph_objects import Bar, Figure, Heatmap, Mesh3d, Scatter, Scatter3d
 
 from thermo.identify import LEVEL
 
@@ -115,6 +115,27 @@ def response(run: str, found: Record) -> Figure:
         )
         for number, name in enumerate(names)
     ]  # fmt: skip
+    title = f"{run}: change of a reading when the unknown changes by a factor e"
+    return _in_space(Figure(clouds), title, names)
+
+
+def field_maps(name: str, maps: Record, surface: Record) -> Figure:
+    """A field over the surface [m], how well it is known, and what the data tell of it [1]."""
+    points, faces = np.asarray(surface["points"], float), np.asarray(surface["faces"], int)
+    drawn = [
+        Mesh3d(
+            x=points[:, 0], y=points[:, 1], z=points[:, 2],
+            i=faces[:, 0], j=faces[:, 1], k=faces[:, 2],
+            intensity=values, intensitymode="cell", colorscale="Viridis", flatshading=True,
+            visible=number == 0, name=word, colorbar={"title": word},
+        )
+        for number, (word, values) in enumerate(maps.items())
+    ]  # fmt: skip
+    return _in_space(Figure(drawn), f"{name} on the object", list(maps))
+
+
+def _in_space(figure: Figure, title: str, names: list[str]) -> Figure:
+    """Traces in three dimensions [m], of which a menu shows one."""
     buttons = [
         {
             "label": name,
@@ -123,12 +144,10 @@ def response(run: str, found: Record) -> Figure:
         }
         for name in names
     ]
-    figure = Figure(clouds)
-    figure.update_layout(
-        title=f"{run}: change of a reading when the unknown changes by a factor e",
-        template="simple_white", height=520, margin={"t": 60, "r": 20}, showlegend=False,
+    return figure.update_layout(
+        title=title, template="simple_white", height=520, margin={"t": 60, "r": 20},
+        showlegend=False,
         scene={"aspectmode": "data", "xaxis_title": "x [m]", "yaxis_title": "y [m]",
                "zaxis_title": "z [m]"},
         updatemenus=[{"buttons": buttons, "x": 0, "xanchor": "left", "y": 1.0}],
     )  # fmt: skip
-    return figure

@@ -1,0 +1,105 @@
+"""What is left open of a fit on the block: against slopes, more runs, and what is refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from thermo.errors import InputError
+from thermo.inverse import (
+    Estimate,
+    FieldPosterior,
+    Meshing,
+    Prior,
+    Stepping,
+    bands,
+    posterior,
+    save_estimate,
+    sensitivity,
+)
+
+COUNT = 12
+
+
+@pytest.fixture(scope="module")
+def exact(meshing: Meshing) -> Meshing:
+    """The cells of the fit for slopes as well."""
+    return replace(meshing, order=2, coarse_tangents=False)
+
+
+@pytest.fixture(scope="module")
+def left(block: Path, fitted: Estimate, exact: Meshing, stepping: Stepping) -> FieldPosterior:
+    return posterior(block, fitted, count=COUNT, meshing=exact, stepping=stepping)
+
+
+@pytest.fixture(scope="module")
+def held(block: Path, fitted: Estimate, exact: Meshing, stepping: Stepping) -> FieldPosterior:
+    """With next to no step between neighbours, and without what cells and steps make wrong."""
+    plain = replace(exact, corrected=False)
+    return posterior(
+        block, fitted, count=COUNT, meshing=plain, stepping=stepping, prior=Prior(step=1e-5)
+    )
+
+
+def test_the_mean_is_where_the_truth_is_and_the_field_may_be_uniform(left: FieldPosterior) -> None:
+    middle, after, before = left.mean("conductivity")
+    assert abs(middle - np.log(0.8)) < 3 * after and after < 0.05 and before > 4
+    assert min(one.steps["conductivity"] for one in left.mixture) < 0.01
+    assert sum(one.weight for one in left.mixture) == pytest.approx(1.0)
+    assert np.all(np.abs(np.log(0.8) - middle) < 4 * left.deviation("conductivity"))
+    assert np.abs(left.shift).max() > 0
+
+
+def test_with_no_step_between_neighbours_it_is_what_one_value_leaves(
+    block: Path, fitted: Estimate, left: FieldPosterior, held: FieldPosterior, exact: Meshing,
+    stepping: Stepping,
+) -> None:  # fmt: skip
+    (only,) = held.mixture
+    at = sensitivity(
+        block, unknown=("conductivity",), meshing=exact, stepping=stepping,
+        initial={"conductivity": float(fitted.fields["conductivity"].faces[0])},
+    )  # fmt: skip
+    readings = sum(
+        float(np.sum(slopes**2)) / (at.noise[run] ** 2 + 0.01**2)
+        for run, slopes in at.slopes.items()
+    )
+    assert np.allclose(only.covariance, only.covariance[0, 0], rtol=1e-3)
+    # Readings that repeat each other, or a misfit beyond the noise, count for less.
+    assert 0.95 / readings <= only.covariance[0, 0] < 100 / readings
+    assert np.all(held.shift == 0)
+    assert left.deviation("conductivity").min() > np.sqrt(only.covariance[0, 0])
+
+
+def test_fewer_runs_leave_more_open_and_a_folder_does_for_an_estimate(
+    block: Path, fitted: Estimate, held: FieldPosterior, exact: Meshing, stepping: Stepping,
+    tmp_path: Path,
+) -> None:  # fmt: skip
+    save_estimate(tmp_path / "estimate.npz", fitted)
+    one = posterior(
+        block, tmp_path, count=COUNT, meshing=replace(exact, corrected=False), stepping=stepping,
+        prior=Prior(step=1e-5), runs=("cooling",),
+    )  # fmt: skip
+    assert one.shift.shape == (COUNT, 1) and held.shift.shape == (COUNT, 2)
+    assert one.mixture[0].covariance.mean() > held.mixture[0].covariance.mean()
+
+
+def test_bands_hold_the_readings_of_a_run_that_was_not_fitted(
+    block: Path, left: FieldPosterior
+) -> None:
+    # Cells this coarse are wrong by a few hundredths of a kelvin under the lamp.
+    (found,) = bands(block, left, draws=8, model_error=0.05).values()
+    assert found.deviation.shape == (len(found.time), len(found.points))
+    # Before the lamp is on nothing depends on the field.
+    assert found.deviation[0].max() < 1e-6 < found.deviation[-1].min()
+    assert found.inside > 0.95
+    again = bands(block, left, draws=8, runs=("test_lamp",), model_error=0.0)["test_lamp"]
+    assert np.array_equal(again.deviation, found.deviation) and again.inside < found.inside
+
+
+def test_one_draw_makes_no_band(block: Path, left: FieldPosterior) -> None:
+    with pytest.raises(InputError) as caught:
+        bands(block, left, draws=1)
+    assert caught.value.where == "draws"
