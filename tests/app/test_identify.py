@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import trimesh
 
@@ -25,7 +26,7 @@ def test_before_a_fit_cooling_alone_is_told_to_know_ratios_only(
     out = tmp_path / "before"
     outcome = command(
         "identify", f"data={block}", "runs=[cooling]", UNKNOWN, "initial.conductivity=0.8",
-        f"out={out}", cache, *MESH,
+        "candidates={again:{like:cooling},lit:{like:lamp,power:2.0}}", f"out={out}", cache, *MESH,
     )  # fmt: skip
     assert outcome.code == 0, outcome.err
     found = record(out)
@@ -33,6 +34,11 @@ def test_before_a_fit_cooling_alone_is_told_to_know_ratios_only(
     (free,) = found["null_directions"]
     assert "only their ratios are determined" in free["combination"]
     assert "only their ratios are determined" in outcome.out
+    # A lamp of known power is what parts them; the same run once more is of no use.
+    first, second = found["next_runs"]
+    assert (first["name"], second["name"]) == ("lit", "again") and first["pair"] is None
+    assert first["weakest"] < 0.1 * first["before"] and second["weakest"] > 0.9 * second["before"]
+    assert "lit tells most of what is known least" in outcome.out
     assert found["before_fit"] is True and list(found["noise"]) == ["cooling"]
     assert any("it takes a fit" in line for line in found["left_out"])
     assert (out / "identifiability.html").stat().st_size > 1e6
@@ -59,6 +65,10 @@ def test_after_a_fit_its_runs_unknowns_and_values_are_looked_at(
     # A lamp stated too bright makes the body seem to conduct better.
     assert 0.0 < moved["relative"] < 0.2 and moved["deviations"] > 1
     assert item["profile"]["kind"] == "bounded"
+    # What cells and steps make wrong was measured, and the interval allows for it.
+    assert set(found["defect_K"]) == {"lamp", "cooling"} and found["defect_K"]["lamp"] > 1e-3
+    noise_alone = 0.5 / np.sqrt(1 + found["spectrum"]["eigenvalues"][0])
+    assert item["relative"] > 1.2 * noise_alone
     # The fit stopped after three steps; the profile goes to the optimum.
     assert found["misfit"] > 2
     assert any("something is missing in the model" in line for line in found["sentences"])
@@ -131,6 +141,8 @@ def test_after_a_fit_of_a_field_its_places_and_predictions_have_bands(
         (["starts=3"], ["starts", "[0.3,3]"]),
         (["doubt.conductivity=0.1"], ["doubt.conductivity"]),
         (["draws=-1"], ["draws", "-1"]),
+        (["split=[conductivity]"], ["split", "two of"]),
+        (["candidates={hot:{like:bath}}"], ["candidates.hot.like", "bath"]),
         (["controls=-1"], ["controls", "-1"]),
         (["bands=few"], ["bands", "few"]),
     ],

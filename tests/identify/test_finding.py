@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -42,6 +44,22 @@ def test_strong_effects_are_identified_and_the_interval_is_that_of_the_spectrum(
     assert found.findings[2].interval95[1] <= 1.0, "an emissivity ends at 1"
     assert found.free == [] and " known to" in found.sentences()[0]
     assert "to be known to" in found.sentences(before=True)[0]
+
+
+def test_what_cells_and_steps_make_wrong_moves_a_fit_and_counts_as_its_error() -> None:
+    model, random = 0.02, np.random.default_rng(5)
+    apart = 0.1 * random.standard_normal((FRAMES, SAMPLES))
+    of = replace(at(), staying={"a": 0.01}, defect={"a": apart})
+    rows = of.slopes["a"].transpose(1, 0, 2).reshape(-1, 3)
+    one = 0.05**2 * np.eye(FRAMES) + model**2 + 0.01**2
+    weight = np.linalg.inv(np.kron(np.eye(SAMPLES), one))
+    covariance = np.linalg.inv(rows.T @ weight @ rows)
+    moved = covariance @ rows.T @ weight @ apart.T.ravel()
+    wanted = np.sqrt(np.diagonal(covariance) + moved**2)
+    found = identifiability(of, model_error=model).findings
+    assert [item.relative for item in found] == pytest.approx(wanted, rel=1e-3)
+    plain = identifiability(replace(of, defect={}), model_error=model).findings
+    assert all(a.relative > b.relative for a, b in zip(found, plain, strict=True))
 
 
 def test_less_of_an_effect_is_weak_and_then_nothing() -> None:

@@ -55,6 +55,7 @@ def test_the_weakest_direction_decides_and_not_the_most_information() -> None:
     assert found[0].name == "radiates"
     alone = np.sqrt(covariance(NOW, CANDIDATES["radiates"])[2, 2])
     assert found[0].weakest == pytest.approx(alone, rel=0.05)
+    assert found[0].before == pytest.approx(np.sqrt(covariance(NOW)[2, 2]), rel=0.05)
     assert found[0].weakest < 0.3 * found[1].weakest
 
 

@@ -61,6 +61,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         {"name": "convection", "held": "heater_power", "doubt": 0.02, "relative": 0.0488,
          "deviations": 4.0}
     ]  # fmt: skip
+    data["next_runs"] = [
+        {"name": "hot & bright", "before": 0.2, "weakest": 0.012, "mean": 0.01, "gain": 3.0,
+         "pair": None}
+    ]  # fmt: skip
     open_, bands = left(smoothness(0.1, prior=2.0)), {"test": band()}
     data |= {"fields": field_record(open_), "surface": surface_record(open_)}
     data["bands"] = band_record(bands)
@@ -157,6 +161,7 @@ def test_the_page_is_whole_and_asks_for_nothing(folder: Path) -> None:
         "versions",
         "fields",
         "bands",
+        "next",
     }
     assert wanted <= set(checker.ids) and {
         "maps-0",
@@ -168,6 +173,7 @@ def test_the_page_is_whole_and_asks_for_nothing(folder: Path) -> None:
     shown = re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)
     assert "A block &lt;script&gt;" in shown
     assert "+5 %" in shown and "2 %" in shown and "heater_power" in shown
+    assert "hot &amp; bright" in shown and "0.012" in shown
     assert "not made" in shown and "Bands &amp; more" in shown
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Mapping
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from thermo import inverse
+from thermo.app._analysis import Analysis
+from thermo.app._candidates import build_candidates
 from thermo.app._configuration import (
     build_field,
     build_meshing,
@@ -26,25 +26,14 @@ from thermo.app._refits import Refits, Wanted, refit
 from thermo.errors import InputError
 from thermo.fields import QUANTITIES
 from thermo.identify import (
-    Identifiability,
-    Shift,
-    field_findings,
-    field_sentences,
-    identifiability,
-    shifts,
     unknowns_of,
 )
-from thermo.inverse import SCALES, UNEXPLAINED, FieldPosterior, Uniform
-from thermo.observe import Scene, read_scene
+from thermo.inverse import SCALES, Uniform
+from thermo.observe import Run, Scene, read_scene
 from thermo.report import (
-    band_record,
-    field_record,
-    identifiability_record,
     identifiability_table,
     require_writable,
-    surface_record,
     write_fields_left,
-    write_identifiability,
 )
 
 
@@ -69,43 +58,25 @@ def identify(settings: Mapping[str, Any]) -> None:
     asked["unknown"] = tuple(name for name in every if name not in SCALES)
     prior = _prior(settings, scene, every)
     require_writable(out)
+    candidates, split = build_candidates(settings["candidates"], scene), _split(settings, every)
     print("meshing and compiling come first", file=sys.stderr)
     whole = _slopes(scene, asked, (*scales, *doubt), choice)
-    at = unknowns_of(whole, doubt)
-    moved = shifts(whole, doubt, prior=prior, model_error=model_error)
-    found = identifiability(at, prior=prior, model_error=model_error, wanted=wanted)
-    runs = [scene.runs[name] for name in at.slopes]
-
-    def leave(more: Refits, left: FieldsLeft) -> dict[str, Any]:
-        told = found if left.posterior is None else _of_fields(found, left.posterior)
-        left_out = [*left.left_out, *more.left_out]
-        record = identifiability_record(told, at, runs, more.profiles, more.basins, left_out)
-        record["sentences"] = [
-            *told.sentences(before=fitted is None),
-            *([] if left.posterior is None else field_sentences(left.posterior)),
-            *_doubts(told, more),
-            *_moved(moved),
-        ]
-        record |= {"fields": field_record(left.posterior), "bands": band_record(left.bands)}
-        record |= {"surface": surface_record(left.posterior)}
-        record |= {"shifts": [asdict(one) for one in moved], "misfit": more.misfit}
-        record |= {"seconds": time.monotonic() - begun, "model_error": model_error}
-        record |= {"before_fit": fitted is None, "configuration": settings}
-        title = f"{scene.object}: what {', '.join(at.slopes)} tell"
-        write_identifiability(out, record, title)
-        return record
-
+    others = _others(scene, asked, scales, choice, candidates, unknowns_of(whole, doubt))
+    plain = fitted is None
+    here = Analysis(
+        settings, scene, whole, doubt, others, split, prior, model_error, wanted, plain, begun
+    )
     why = _no_refits(fitted, scales, choice, refits.budget)
     none = Refits(left_out=[f"Profiles, basins and scatter: {why or 'they are being made'}."])
-    record, left = leave(none, FieldsLeft()), FieldsLeft()
+    record, left = here.leave(out, none, FieldsLeft()), FieldsLeft()
     if fitted is not None and fitted.varies:
         left = fields_left(scene, fitted, of_fields)
         if left.posterior is not None:
             asked_of = {"draws": of_fields.bands, "seed": of_fields.seed}
             write_fields_left(out / "fields.npz", left.posterior, left.bands, **asked_of)
-        record = leave(none, left)
+        record = here.leave(out, none, left)
     if not why:
-        record = leave(refit(scene, asked, prior, model_error, refits), left)
+        record = here.leave(out, refit(scene, asked, prior, model_error, refits), left)
     told = "\n".join(record["sentences"])
     print(f"{identifiability_table(record)}\n\n{told}\n\n{out / 'identifiability.html'}")
 
@@ -119,12 +90,6 @@ def _wanted(settings: Mapping[str, Any]) -> tuple[Wanted, WantedOfFields]:
     seed = number(settings, "seed", whole=True)
     refits = Wanted(budget, _starts(settings["starts"]), draws, seed)
     return refits, WantedOfFields(budget, controls, bands, seed)
-
-
-def _of_fields(found: Identifiability, left: FieldPosterior) -> Identifiability:
-    """The verdicts on the means of fields in place of those on one value each."""
-    means = {item.name: item for item in field_findings(left, wanted=found.wanted)}
-    return replace(found, findings=[means.get(item.name, item) for item in found.findings])
 
 
 def _budget(settings: Mapping[str, Any]) -> float:
@@ -151,35 +116,43 @@ def _check_unknown(every: tuple[str, ...]) -> None:
         )  # fmt: skip
 
 
-def _doubts(found: Identifiability, more: Refits) -> list[str]:
-    """What speaks against the intervals, in words."""
-    told = []
-    if more.misfit is not None and more.misfit > UNEXPLAINED:
-        told.append(
-            f"Simulation and readings differ by {more.misfit:.2g} times what the noise allows: "
-            "something is missing in the model, and no interval allows for that."
+def _split(settings: Mapping[str, Any], every: tuple[str, ...]) -> tuple[str, str] | None:
+    """Two unknowns to be told apart by a next run. Raises `InputError`."""
+    asked = names(settings["split"], "split")
+    if asked is None:
+        return None
+    if len(set(asked)) != 2 or not set(asked) <= set(every):
+        raise InputError(
+            "these two cannot be told apart", where="split", value=", ".join(asked),
+            limit=f"two of {', '.join(every)}", remedy="name two unknowns",
+        )  # fmt: skip
+    return asked[0], asked[1]
+
+
+def _others(
+    scene: Scene,
+    asked: dict[str, Any],
+    scales: tuple[str, ...],
+    choice: Any,
+    candidates: dict[str, Run],
+    at: inverse.Sensitivity,
+) -> dict[str, inverse.Sensitivity]:
+    """Slopes of each run that could be made [K], where those of `at` were taken."""
+    if not candidates:
+        return {}
+    values = {name: value for name, value in zip(at.names, at.values, strict=True)}
+    there = {name: value for name, value in values.items() if name in QUANTITIES}
+    more = {**asked, "runs": tuple(candidates), "initial": {**asked["initial"], **there}}
+    found = _slopes(replace(scene, runs=candidates), more, scales, choice)
+    return {
+        name: replace(
+            found,
+            slopes={name: found.slopes[name]},
+            noise={name: found.noise[name]},
+            staying={name: found.staying[name]},
         )
-    for item in found.findings:
-        made = more.profiles.get(item.name)
-        if made is None:
-            continue
-        best = float(np.exp(made.optimum()))
-        if not item.interval95[0] <= best <= item.interval95[1]:
-            told.append(
-                f"{item.name} comes out as {best:.4g} {item.unit} where it is fitted anew for its "
-                "profile, outside that interval: the fit had not ended there, or errors of its "
-                "cells and steps, which a profile allows for, are larger than the noise."
-            )
-    return told
-
-
-def _moved(found: list[Shift]) -> list[str]:
-    return [
-        f"Stated {100 * np.expm1(one.doubt):.2g} % too large, {one.held} moves {one.name} by "
-        f"{100 * np.expm1(one.relative):+.2g} %, {abs(one.deviations):.2g} of its standard "
-        "deviations."
-        for one in found
-    ]
+        for name in candidates
+    }
 
 
 def _slopes(

@@ -32,9 +32,11 @@ class Refits:
 
     - `misfit`: root mean square of the whitened residual where the fit ended [1], about 1 where
       simulation and readings agree.
+    - `defect`: what cells and steps make wrong, by run, (frames, samples) [K].
     """
 
     misfit: float | None = None
+    defect: dict[str, np.ndarray] = field(default_factory=dict)
     profiles: dict[str, Profile] = field(default_factory=dict)
     basins: Basins | None = None
     left_out: list[str] = field(default_factory=list)
@@ -62,7 +64,8 @@ def refit(
             raise _OutOfTime
 
     used = sum(float(case.used.sum()) for case in model.objective.cases)
-    found = Refits(misfit=float(np.sqrt(np.sum(residual**2) / used)))
+    misfit = float(np.sqrt(np.sum(residual**2) / used))
+    found = Refits(misfit=misfit, defect=model.defect())
     _basins(model, wanted, watch, found)
     _profiles(model, wanted, watch, found)
     return found

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from typing import Final, Literal, final
 
 import numpy as np
+from jaxtyping import Float
 
 from thermo.errors import InputError
 from thermo.fields import QUANTITIES
-from thermo.identify._information import bounds_of
+from thermo.identify._information import bounds_of, pulls
 from thermo.identify._spectrum import Spectrum
 from thermo.inverse import Sensitivity
 
@@ -50,13 +51,19 @@ class Finding:
     verdict: Verdict
 
 
-def findings(at: Sensitivity, found: Spectrum, *, wanted: float = 0.1) -> list[Finding]:
+def findings(
+    at: Sensitivity, found: Spectrum, *, wanted: float = 0.1, model_error: float = 0.01
+) -> list[Finding]:
     """A verdict on each unknown.
+
+    Where `at` holds what cells and steps make wrong, the move that it causes in a fit that does not
+    know of it, b = C J'C^-1 d for each run, counts as an error of its own: C + b b'.
 
     Arguments:
 
     - `at`: slopes [K], with the values where they were taken; `found`: their spectrum [1].
     - `wanted`: half-width of the 95 % interval of log(value) that counts as known [1].
+    - `model_error`: what the simulation itself may be wrong by [K], as for the spectrum.
 
     A value that the prior alone makes narrow is not identified: the data must take away at least
     half of its variance, and more than half of what is left must be the data's own noise and not
@@ -65,7 +72,8 @@ def findings(at: Sensitivity, found: Spectrum, *, wanted: float = 0.1) -> list[F
     Raises `InputError` where `wanted` is not above 0.
     """
     check_wanted(wanted)
-    return [_finding(at, found, name, wanted) for name in dict.fromkeys(at.names)]
+    moved = found.covariance() @ pulls(at, model_error)
+    return [_finding(at, found, moved, name, wanted) for name in dict.fromkeys(at.names)]
 
 
 def check_wanted(wanted: float) -> None:
@@ -77,13 +85,20 @@ def check_wanted(wanted: float) -> None:
         )  # fmt: skip
 
 
-def _finding(at: Sensitivity, found: Spectrum, name: str, wanted: float) -> Finding:
+def _finding(
+    at: Sensitivity,
+    found: Spectrum,
+    moved: Float[np.ndarray, "unknowns runs"],
+    name: str,
+    wanted: float,
+) -> Finding:
     mine = np.array([other == name for other in at.names])
     mean = mine / mine.sum()
     known, along = found.known(), mean @ found.directions
     before, after = float(np.sum(along**2)), float(np.sum(along**2 * (1 - known)))
     led = np.arange(len(known)) < found.data_led()
     prior_left = float(np.sum((along**2 * (1 - known))[~led])) / after
+    after = min(after + float(np.sum((mean @ moved) ** 2)), before)
     middle, informed = float(mean @ np.log(at.values)), 1 - after / before
     seen = informed > 0.5 and prior_left < 0.5
     return finding(name, middle, float(np.sqrt(after)), informed, wanted, led=seen)

@@ -64,7 +64,7 @@ def identifiability(
     Raises `InputError` where one of them cannot be.
     """
     found = spectrum(at, prior=prior, model_error=model_error)
-    told = findings(at, found, wanted=wanted)
+    told = findings(at, found, wanted=wanted, model_error=model_error)
     close = alike(at, model_error=model_error)
     return Identifiability(told, found.undetermined(), close, found, wanted)
 

@@ -36,13 +36,30 @@ def information(at: Sensitivity, model_error: float) -> Float[np.ndarray, "unkno
     check_model_error(model_error)
     total = np.zeros((len(at.names), len(at.names)))
     for run, slopes in at.slopes.items():
-        noise = at.noise[run]
-        each = np.einsum("tsi,tsj->ij", slopes, slopes)
         over_time = slopes.sum(0)
-        stays = model_error**2 + at.staying.get(run, 0.0) ** 2
-        share = stays / (noise**2 + len(slopes) * stays)
-        total += (each - share * over_time.T @ over_time) / noise**2
+        each = np.einsum("tsi,tsj->ij", slopes, slopes)
+        share = _share(at, run, model_error)
+        total += (each - share * over_time.T @ over_time) / at.noise[run] ** 2
     return total
+
+
+def _share(at: Sensitivity, run: str, model_error: float) -> float:
+    stays = model_error**2 + at.staying.get(run, 0.0) ** 2
+    return stays / (at.noise[run] ** 2 + len(at.slopes[run]) * stays)
+
+
+def pulls(at: Sensitivity, model_error: float) -> Float[np.ndarray, "unknowns runs"]:
+    """J' C^-1 d of each run that has a defect d, C as in `information` [1].
+
+    Arguments as there; times the covariance of log(phi) it is what the defect moves them by.
+    """
+    columns = []
+    for run, apart in at.defect.items():
+        slopes = at.slopes[run]
+        along = np.einsum("tsi,ts->i", slopes, apart)
+        staying = slopes.sum(0).T @ apart.sum(0)
+        columns.append((along - _share(at, run, model_error) * staying) / at.noise[run] ** 2)
+    return np.reshape(columns, (len(columns), len(at.names))).T
 
 
 def bounds_of(name: str) -> tuple[float, float]:

@@ -28,6 +28,7 @@ class NextRun:
     - `weakest`: standard deviation [1] after it along the direction that is known least now.
     - `pair`: of two unknowns to be told apart, the largest standard deviation of any combination
       of both after it [1]; None where none were named.
+    - `before`: what `pair`, or without one `weakest`, is without that run [1].
     """
 
     name: str
@@ -35,6 +36,7 @@ class NextRun:
     mean: float
     weakest: float
     pair: float | None
+    before: float
 
 
 def next_runs(
@@ -68,6 +70,7 @@ def next_runs(
     _, ways = np.linalg.eigh(covariance / np.outer(before.prior, before.prior))
     weak = before.prior * ways[:, -1]
     weak = weak / np.linalg.norm(weak)
+    open_now = _along(covariance, weak) if pair is None else _largest(covariance, pair)
     found = []
     for name, more in candidates.items():
         _check(name, now, more)
@@ -79,6 +82,7 @@ def next_runs(
                 mean=float(np.sqrt(np.mean(np.diagonal(after)))),
                 weakest=_along(after, weak),
                 pair=None if pair is None else _largest(after, pair),
+                before=open_now,
             )
         )
     return sorted(found, key=lambda one: one.weakest if one.pair is None else one.pair)
@@ -108,6 +112,7 @@ def _both(now: Sensitivity, more: Sensitivity, name: str) -> Sensitivity:
         noise=added(now.noise, more.noise),
         accuracy=max(now.accuracy, more.accuracy),
         staying=added(now.staying, more.staying),
+        defect=added(now.defect, more.defect),
         values=now.values,
     )
 

@@ -32,6 +32,7 @@ class LogModel:
     - `names`: quantities, (unknowns,); `first`: log(phi) where the scene or `initial` put them [1].
     - `bounds`: of log(phi), (unknowns, 2) [1].
     - `objective`: of the fit, its fields those of `first`; `mesh`: they live on.
+    - `runs`: names of the runs, as the objective numbers them.
     """
 
     names: tuple[str, ...]
@@ -39,6 +40,7 @@ class LogModel:
     bounds: Float[np.ndarray, "unknowns 2"]
     objective: Objective
     mesh: Mesh
+    runs: tuple[str, ...]
 
     def __call__(
         self, logs: Float[np.ndarray, " unknowns"]
@@ -61,6 +63,12 @@ class LogModel:
         residual, matrix = eqx.filter_jit(jacobian)(self.objective, parameters)
         change = logarithm_slopes(self.objective, parameters, Uniform.__name__)
         return np.asarray(residual), np.asarray(matrix) @ np.linalg.inv(change)
+
+    def defect(self) -> dict[str, Float[np.ndarray, "frames samples"]]:
+        """What is taken off for cells and steps, by run [K]; zero where nothing is."""
+        apart = [np.asarray(one) for case in self.objective.cases for one in case.defect]
+        numbers = self.objective.sequence
+        return {self.runs[number]: one for number, one in zip(numbers, apart, strict=True)}
 
 
 def log_model(
@@ -93,4 +101,5 @@ def log_model(
         objective = with_shared(with_defects(objective, defects(task, ready, objective)))
     values = [float(objective.fields[name].control_values()[0]) for name in task.names]
     limits = [(QUANTITIES[name].lower, QUANTITIES[name].upper) for name in task.names]
-    return LogModel(task.names, np.log(values), np.log(limits), objective, ready.mesh)
+    runs = tuple(run.name for run in task.runs)
+    return LogModel(task.names, np.log(values), np.log(limits), objective, ready.mesh, runs)

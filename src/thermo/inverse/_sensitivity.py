@@ -45,6 +45,8 @@ class Sensitivity:
     - `accuracy`: tolerance of the solver that the slopes come from, relative [1].
     - `staying`: by run, standard deviation of what is not known of a sample's constant error [K].
     - `values`: of the unknowns, where the slopes were taken, (unknowns,) [SI].
+    - `defect`: by run, what cells and steps make wrong in all readings at once, its size known and
+      not its sign, (frames, samples) [K]; empty where that was not measured.
     """
 
     names: tuple[str, ...]
@@ -53,6 +55,7 @@ class Sensitivity:
     accuracy: float = 0.0
     staying: dict[str, float] = field(default_factory=dict)
     values: tuple[float, ...] = ()
+    defect: dict[str, Float[np.ndarray, "frames samples"]] = field(default_factory=dict)
 
 
 def sensitivity(

@@ -46,6 +46,7 @@ def identifiability_page(record: Record, title: str) -> str:
         *_fields(record),
         *_bands(record),
         *_shifts(record),
+        *_next_runs(record),
         _section("Noise", "noise", _noise(record)),
         _section("Directions", "directions", _plots(_directions(record), "directions")),
         *_profiles(record),
@@ -163,6 +164,28 @@ def _shifts(record: Record) -> list[str]:
     ]  # fmt: skip
     body = _table(header, rows, ["shift"] * len(rows))
     return [_section("What a wrong stated value would do", "shifts", body)]
+
+
+def _next_runs(record: Record) -> list[str]:
+    found = record.get("next_runs", [])
+    if not found:
+        return []
+    header = ["run that could be made", "direction known least, before", "after",
+              "all unknowns, root mean square", "gain of information"]  # fmt: skip
+    rows = [
+        [one["name"], f"{one['before']:.2g}",
+         f"{one['weakest'] if one['pair'] is None else one['pair']:.2g}",
+         f"{one['mean']:.2g}", f"{one['gain']:.2g}"]
+        for one in found
+    ]  # fmt: skip
+    body = _table(header, rows, ["next"] * len(rows))
+    return [_section("Which run to make next", "next", f"<p>{_NEXT}</p>{body}")]
+
+
+_NEXT = (
+    "Standard deviations of logarithms. With two unknowns to be told apart, the direction is the "
+    "worst combination of both. The gain is half the logarithm of the ratio of determinants."
+)
 
 
 def _noise(record: Record) -> str:

@@ -1,0 +1,147 @@
+"""What was found so far, put together and written."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any, final
+
+import numpy as np
+
+from thermo import inverse
+from thermo.app._fields_left import FieldsLeft
+from thermo.app._refits import Refits
+from thermo.identify import (
+    Identifiability,
+    NextRun,
+    Shift,
+    field_findings,
+    field_sentences,
+    identifiability,
+    next_runs,
+    shifts,
+    unknowns_of,
+)
+from thermo.inverse import UNEXPLAINED, FieldPosterior
+from thermo.observe import Scene
+from thermo.report import (
+    band_record,
+    field_record,
+    identifiability_record,
+    surface_record,
+    write_identifiability,
+)
+
+
+@final
+@dataclass(frozen=True)
+class Analysis:
+    """What was asked, the slopes [K] of unknowns and doubted values, and when it began [s]."""
+
+    settings: Mapping[str, Any]
+    scene: Scene
+    whole: inverse.Sensitivity
+    doubt: Mapping[str, float]
+    candidates: Mapping[str, inverse.Sensitivity]
+    split: tuple[str, str] | None
+    prior: Mapping[str, float]
+    model_error: float
+    wanted: float
+    before: bool
+    begun: float
+
+    def leave(self, out: Path, more: Refits, left: FieldsLeft) -> dict[str, Any]:
+        """Write what is known so far; returns the record."""
+        whole = _allowing(self.whole, more.defect)
+        at, asked = unknowns_of(whole, self.doubt), {"prior": self.prior}
+        moved = shifts(whole, self.doubt, model_error=self.model_error, **asked)
+        found = identifiability(at, model_error=self.model_error, wanted=self.wanted, **asked)
+        chosen = next_runs(
+            at, self.candidates, split=self.split, model_error=self.model_error, **asked
+        )
+        found = found if left.posterior is None else _of_fields(found, left.posterior)
+        left_out = [*left.left_out, *more.left_out]
+        runs = [self.scene.runs[name] for name in at.slopes]
+        record = identifiability_record(found, at, runs, more.profiles, more.basins, left_out)
+        record["sentences"] = [
+            *found.sentences(before=self.before),
+            *([] if left.posterior is None else field_sentences(left.posterior)),
+            *_doubts(found, more),
+            *_moved(moved),
+            *_next(chosen),
+        ]
+        record |= {"next_runs": [asdict(one) for one in chosen]}
+        record |= {"fields": field_record(left.posterior), "bands": band_record(left.bands)}
+        record |= {"surface": surface_record(left.posterior)}
+        record |= {"shifts": [asdict(one) for one in moved], "misfit": more.misfit}
+        record |= {"seconds": time.monotonic() - self.begun, "model_error": self.model_error}
+        record |= {"before_fit": self.before, "configuration": self.settings}
+        record |= {"defect_K": {name: _size(apart) for name, apart in more.defect.items()}}
+        title = f"{self.scene.object}: what {', '.join(at.slopes)} tell"
+        write_identifiability(out, record, title)
+        return record
+
+
+def _allowing(at: inverse.Sensitivity, defect: Mapping[str, np.ndarray]) -> inverse.Sensitivity:
+    """Slopes beside what cells and steps make wrong, by run [K]."""
+    cut = {
+        name: apart[tuple(slice(length) for length in at.slopes[name].shape[:2])]
+        for name, apart in defect.items()
+    }
+    return replace(at, defect=cut)
+
+
+def _size(apart: np.ndarray) -> float:
+    """Root mean square of what there is of a defect [K]; it is zero where a run was filled up."""
+    there = apart[apart != 0]
+    return float(np.sqrt(np.mean(there**2))) if there.size else 0.0
+
+
+def _of_fields(found: Identifiability, left: FieldPosterior) -> Identifiability:
+    """The verdicts on the means of fields in place of those on one value each."""
+    means = {item.name: item for item in field_findings(left, wanted=found.wanted)}
+    return replace(found, findings=[means.get(item.name, item) for item in found.findings])
+
+
+def _doubts(found: Identifiability, more: Refits) -> list[str]:
+    """What speaks against the intervals, in words."""
+    told = []
+    if more.misfit is not None and more.misfit > UNEXPLAINED:
+        told.append(
+            f"Simulation and readings differ by {more.misfit:.2g} times what the noise allows: "
+            "something is missing in the model, and no interval allows for that."
+        )
+    for item in found.findings:
+        made = more.profiles.get(item.name)
+        if made is None:
+            continue
+        best = float(np.exp(made.optimum()))
+        if not item.interval95[0] <= best <= item.interval95[1]:
+            told.append(
+                f"{item.name} comes out as {best:.4g} {item.unit} where it is fitted anew for its "
+                "profile, outside that interval: the fit had not ended there, or errors of its "
+                "cells and steps, which a profile allows for, are larger than the noise."
+            )
+    return told
+
+
+def _moved(found: list[Shift]) -> list[str]:
+    return [
+        f"Stated {100 * np.expm1(one.doubt):.2g} % too large, {one.held} moves {one.name} by "
+        f"{100 * np.expm1(one.relative):+.2g} %, {abs(one.deviations):.2g} of its standard "
+        "deviations."
+        for one in found
+    ]
+
+
+def _next(chosen: list[NextRun]) -> list[str]:
+    if not chosen:
+        return []
+    first, size = chosen[0], chosen[0].pair or chosen[0].weakest
+    of = "what is known least" if first.pair is None else "these two"
+    return [
+        f"Of the runs that could be made {first.name} tells most of {of}: the standard deviation "
+        f"of its logarithm goes from {first.before:.2g} to {size:.2g}."
+    ]

@@ -1,0 +1,57 @@
+"""Runs that could be made: what is other about them, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from thermo.app._candidates import build_candidates
+from thermo.errors import InputError
+from thermo.observe import Scene, read_scene
+
+
+@pytest.fixture(scope="module")
+def scene(block: Path) -> Scene:
+    return read_scene(block)
+
+
+def test_a_candidate_is_like_a_run_but_for_what_is_said(scene: Scene) -> None:
+    section = {
+        "hot": {"like": "cooling", "initial_temperature": 350},
+        "bright": {"like": "lamp", "power": 3.0, "centre": [0.0, 0.0, 0.02], "duration": 60.0},
+    }
+    found = build_candidates(section, scene)
+    assert found["hot"].initial_temperature == 350.0 and found["hot"].heater is None
+    assert found["hot"].ambient_temperature == scene.runs["cooling"].ambient_temperature
+    bright, lamp = found["bright"], scene.runs["lamp"]
+    assert bright.heater is not None and lamp.heater is not None
+    assert bright.heater.power == 3.0 and bright.heater.radius == lamp.heater.radius
+    assert np.array_equal(bright.heater.centre, [0.0, 0.0, 0.02])
+    assert bright.recording.time[-1] == pytest.approx(60.0)
+    assert bright.recording.temperature.shape == lamp.recording.temperature.shape
+    assert build_candidates(None, scene) == {}
+
+
+@pytest.mark.parametrize(
+    ("section", "where", "part"),
+    [
+        (["hot"], "candidates", "initial_temperature"),
+        ({"hot": 3}, "candidates.hot", "like"),
+        ({"hot": {"like": "cooling", "colour": 1}}, "candidates.hot", "duration"),
+        ({"hot": {"initial_temperature": 350}}, "candidates.hot.like", "cooling"),
+        ({"hot": {"like": "bath"}}, "candidates.hot.like", "cooling"),
+        ({"hot": {"like": "cooling", "power": 3.0}}, "candidates.hot", "heater"),
+        ({"hot": {"like": "lamp", "power": "much"}}, "candidates.hot.power", "number"),
+        ({"hot": {"like": "lamp", "power": -1.0}}, "candidates.hot.power", "0"),
+        ({"hot": {"like": "lamp", "duration": 0}}, "candidates.hot.duration", "0"),
+        ({"hot": {"like": "cooling", "initial_temperature": 25}},
+         "candidates.hot.initial_temperature", ""),
+    ],
+)  # fmt: skip
+def test_what_no_run_could_be_is_refused(section: Any, where: str, part: str, scene: Scene) -> None:
+    with pytest.raises(InputError) as caught:
+        build_candidates(section, scene)
+    assert caught.value.where == where and part in caught.value.limit
