@@ -8,9 +8,9 @@ whose frames are correlated by 0.3, a fixed pattern of 0.03 K and 25 quiet frame
 that is learnt. The fit is linear around the truth, as its deviations of below a per cent allow.
 `coverage` is of the interval from the curvature of what `log_model` makes, `scatter` the standard
 deviation of the fits over the one that it foretells, `bias` their mean error over it; `identify` is
-the coverage of the interval that `thermo identify` gives before a fit. The columns of `plain` are
-without what `mesh.corrected` does. A coverage of 200 draws is known to 1.5 %. Leaves
-benchmarks/results/coverage.csv.
+that of the interval that `thermo identify` gives after a fit of one value each, which allows for
+what cells and steps make wrong. The columns of `plain` are without what `mesh.corrected` does. A
+coverage of 200 draws is known to 1.5 %. Leaves benchmarks/results/coverage.csv.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from thermo.identify import spectrum
+from thermo.identify import identifiability
 from thermo.inverse import Meshing, Sensitivity, Stepping, log_model
 from thermo.inverse._case import Case, constant_error, in_kelvin, make_case
 from thermo.inverse._defect import LEFT
@@ -92,6 +92,7 @@ class Around:
         matrix = np.asarray(eqx.filter_jit(jacobian)(plain, here)[1]) @ change
         self.objective, self.most_frames = plain, stepping.most_frames
         self.runs = [scene.runs[name] for name in RUNS]
+        self.values = tuple(np.exp(model.first).tolist())
         self.found, self.slopes, self.defect = {}, {}, {}
         names, begin = iter(RUNS[number] for number in plain.sequence), 0
         for case in plain.cases:
@@ -132,8 +133,9 @@ class Around:
             level = estimate_noise(run.recording)
             noise[run.name] = level.long_run()
             staying[run.name] = float(np.sqrt(np.mean(constant_error(run, level)[1])))
-        at = Sensitivity(UNKNOWN, self.slopes, noise, 1e-6, staying)
-        return spectrum(at, model_error=MODEL_ERROR).deviation()
+        at = Sensitivity(UNKNOWN, self.slopes, noise, 1e-6, staying, self.values, self.defect)
+        told = identifiability(at, model_error=MODEL_ERROR).findings
+        return np.array([item.relative for item in told])
 
 
 @eqx.filter_jit

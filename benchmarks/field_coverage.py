@@ -6,8 +6,9 @@ The bracket of examples/ was simulated by another program and read with a camera
 adds as much noise again, with a pattern and quiet frames; the first line is of the recordings as
 they are. Each is fitted on control points with the default settings, `thermo.inverse.posterior`
 says what is left open, and the faces whose band holds the truth, 4 and 1 W/m/K on either side of
-x = -19 mm, are counted by area: `informed` where the data tell at least half, `edge` of these within
-5 mm of where the two meet, about as far as the fit's control points lie apart, and `away` the rest.
+x = -19 mm, are counted by area: `informed` where the data tell at least half, of these `edge`
+within 5 mm of where the two meet, about as far as the fit's control points lie apart, and `away`
+the rest.
 `band` is the median half-width of a band and `error` the median error of log(k). Leaves
 benchmarks/results/field_coverage.csv.
 """
