@@ -145,6 +145,7 @@ def test_after_a_fit_of_a_field_its_places_and_predictions_have_bands(
         (["candidates={hot:{like:bath}}"], ["candidates.hot.like", "bath"]),
         (["controls=-1"], ["controls", "-1"]),
         (["bands=few"], ["bands", "few"]),
+        (["bands=1"], ["bands", "several draws"]),
     ],
 )
 def test_what_cannot_be_asked_is_refused(

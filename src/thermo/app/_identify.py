@@ -87,6 +87,11 @@ def _wanted(settings: Mapping[str, Any]) -> tuple[Wanted, WantedOfFields]:
     draws = number(settings, "draws", whole=True, above=-1)
     controls = number(settings, "controls", whole=True, above=-1)
     bands = number(settings, "bands", whole=True, above=-1)
+    if bands == 1:
+        raise InputError(
+            "a band takes several draws", where="bands", value=bands, limit="0, or 2 or more",
+            remedy="leave it at 20, or give 0 to make none",
+        )  # fmt: skip
     seed = number(settings, "seed", whole=True)
     refits = Wanted(budget, _starts(settings["starts"]), draws, seed)
     return refits, WantedOfFields(budget, controls, bands, seed)
