@@ -103,3 +103,12 @@ def test_one_draw_makes_no_band(block: Path, left: FieldPosterior) -> None:
     with pytest.raises(InputError) as caught:
         bands(block, left, draws=1)
     assert caught.value.where == "draws"
+
+
+def test_an_estimate_of_another_object_is_refused(
+    block: Path, fitted: Estimate, exact: Meshing
+) -> None:
+    other = replace(fitted.mesh, nodes=1.5 * fitted.mesh.nodes)
+    with pytest.raises(InputError) as caught:
+        posterior(block, replace(fitted, mesh=other), count=COUNT, meshing=exact)
+    assert caught.value.where == "estimate" and "mm" in str(caught.value.value)

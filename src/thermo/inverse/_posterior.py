@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from thermo.fields import QUANTITIES, departing_field, place_control_points
-from thermo.inverse._body import Meshing
+from thermo.inverse._body import Meshing, surface_of
 from thermo.inverse._defect import defects, with_defects, with_shared
 from thermo.inverse._estimate import Estimate, RecoveredField, load_estimate
 from thermo.inverse._evidence import Linearised, likely_steps
@@ -22,6 +22,7 @@ from thermo.inverse._smoothing import Nearby, linearised
 from thermo.inverse._stages import coarse_tangents, make_objective
 from thermo.inverse._stepping import Stepping
 from thermo.inverse._task import Prior, Ready, lay_out
+from thermo.inverse._transfer import check_same_object
 from thermo.mesh import Mesh
 from thermo.observe import Scene
 
@@ -58,17 +59,19 @@ def posterior(
     - `runs`, `prior`, `stepping`, `meshing`, `model_error` [K]: as they were given to `invert`.
       Slopes are those of coarse cells and steps unless `meshing.coarse_tangents` is false.
 
-    Raises `InputError` as `invert` does, and where the estimate cannot be read.
+    Raises `InputError` as `invert` does, and where the estimate cannot be read or is of another
+    object.
 
     Source: D. J. C. MacKay, Neural Computation 4 (1992) 415, sections 3 and 4; Bui-Thanh, Ghattas,
     Martin and Stadler, SIAM J. Sci. Comput. 35 (2013) A2494, section 4.
     """
-    mesh, order, stated, found = _parts(estimate)
+    where, mesh, order, stated, found = _parts(estimate)
     values = {name: float(np.median(item.faces)) for name, item in found.items()}
     task = unfitted(
         data, runs, tuple(found), OnControlPoints(count), prior or Prior(), stepping, meshing,
         values, seed=seed, model_error=model_error,
     )  # fmt: skip
+    check_same_object(mesh, surface_of(task.scene), where)
     ready = lay_out(task, mesh, stated)
     fields, points = {}, {}
     for number, (name, item) in enumerate(found.items()):
@@ -90,10 +93,11 @@ def posterior(
 
 def _parts(
     estimate: Estimate | str | Path,
-) -> tuple[Mesh, int, Stated, dict[str, RecoveredField]]:
+) -> tuple[str, Mesh, int, Stated, dict[str, RecoveredField]]:
     if isinstance(estimate, Estimate):
-        return estimate.mesh, estimate.order, estimate.stated, estimate.fields
-    return load_estimate(Path(estimate) / "estimate.npz")
+        return "estimate", estimate.mesh, estimate.order, estimate.stated, estimate.fields
+    path = Path(estimate) / "estimate.npz"
+    return str(path), *load_estimate(path)
 
 
 def _one_value(ready: Ready) -> Ready:
