@@ -38,7 +38,7 @@ def test_before_a_fit_cooling_alone_is_told_to_know_ratios_only(
     first, second = found["next_runs"]
     assert (first["name"], second["name"]) == ("lit", "again") and first["pair"] is None
     assert first["weakest"] < 0.1 * first["before"] and second["weakest"] > 0.9 * second["before"]
-    assert "lit tells most of what is known least" in outcome.out
+    assert "lit tells most of the combination that is known least" in outcome.out
     assert found["before_fit"] is True and list(found["noise"]) == ["cooling"]
     assert any("it takes a fit" in line for line in found["left_out"])
     assert (out / "identifiability.html").stat().st_size > 1e6
@@ -117,7 +117,11 @@ def test_after_a_fit_of_a_field_its_places_and_predictions_have_bands(
     assert field["controls"] == 6 and [one["step"] for one in field["smoothness"]] == [0.2]
     assert list(found["bands"]) == ["test_lamp"] and 0 < found["bands"]["test_lamp"]["inside"] <= 1
     assert found["surface"] is not None and (out / "fields.npz").exists()
-    assert any("geometric mean over the surface" in line for line in found["sentences"])
+    told = found["sentences"]
+    assert told[0].startswith("The mean of conductivity is") and "From place to place" in told[1]
+    assert "Predictions of test_lamp are known to" in told[2]
+    # Two steps are too few, and what the fit said of that is said again.
+    assert any("does not explain" in line for line in told)
     assert any("one value each says nothing" in line for line in found["left_out"])
     left = tmp_path / "left"
     assert command(*words, f"out={left}", "controls=0").code == 0

@@ -30,7 +30,7 @@ def test_the_sentence_says_how_well_places_are_known() -> None:
     told, _ = field_sentences(found)
     half = np.expm1(1.96 * np.median(found.deviation("conductivity")))
     assert f"{100 * half:.2g} % on half of the faces" in told
-    assert "On 100% of the surface the smoothness tells more" in told
+    assert "On 100% of the surface what a place differs by" in told
 
 
 def test_a_width_of_nothing_is_refused() -> None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from thermo import inverse
 from thermo.app._fields_left import FieldsLeft
+from thermo.app._fitted import Fitted
 from thermo.app._refits import Refits
 from thermo.identify import (
     Identifiability,
@@ -49,7 +50,7 @@ class Analysis:
     prior: Mapping[str, float]
     model_error: float
     wanted: float
-    before: bool
+    fitted: Fitted | None
     begun: float
 
     def leave(self, out: Path, more: Refits, left: FieldsLeft) -> dict[str, Any]:
@@ -62,12 +63,15 @@ class Analysis:
             at, self.candidates, split=self.split, model_error=self.model_error, **asked
         )
         found = found if left.posterior is None else _of_fields(found, left.posterior)
+        means = () if left.posterior is None else tuple(left.posterior.fields)
         left_out = [*left.left_out, *more.left_out]
         runs = [self.scene.runs[name] for name in at.slopes]
         record = identifiability_record(found, at, runs, more.profiles, more.basins, left_out)
         record["sentences"] = [
-            *found.sentences(before=self.before),
+            *found.sentences(before=self.fitted is None, means=means),
             *([] if left.posterior is None else field_sentences(left.posterior)),
+            *_banded(left),
+            *([] if self.fitted is None else self.fitted.unexplained),
             *_doubts(found, more),
             *_moved(moved),
             *_next(chosen),
@@ -77,7 +81,7 @@ class Analysis:
         record |= {"surface": surface_record(left.posterior)}
         record |= {"shifts": [asdict(one) for one in moved], "misfit": more.misfit}
         record |= {"seconds": time.monotonic() - self.begun, "model_error": self.model_error}
-        record |= {"before_fit": self.before, "configuration": self.settings}
+        record |= {"before_fit": self.fitted is None, "configuration": self.settings}
         record |= {"defect_K": {name: _size(apart) for name, apart in more.defect.items()}}
         title = f"{self.scene.object}: what {', '.join(at.slopes)} tell"
         write_identifiability(out, record, title)
@@ -136,12 +140,23 @@ def _moved(found: list[Shift]) -> list[str]:
     ]
 
 
+def _banded(left: FieldsLeft) -> list[str]:
+    return [
+        f"Predictions of {name} are known to {size['median']:.2g} K in the middle and to "
+        f"{size['p95']:.2g} K in 95 % of all places and times (standard deviations); "
+        f"{one['inside']:.0%} of its readings lie within the 95 % band."
+        for name, one in band_record(left.bands).items()
+        for size in [one["deviation_K"]]
+    ]
+
+
 def _next(chosen: list[NextRun]) -> list[str]:
     if not chosen:
         return []
     first, size = chosen[0], chosen[0].pair or chosen[0].weakest
-    of = "what is known least" if first.pair is None else "these two"
+    of = "the combination that is known least" if first.pair is None else "the two to be split"
     return [
-        f"Of the runs that could be made {first.name} tells most of {of}: the standard deviation "
-        f"of its logarithm goes from {first.before:.2g} to {size:.2g}."
+        f"Of the runs that could be made {first.name} tells most of {of}: of its logarithm the "
+        f"standard deviation goes from {first.before:.2g} to {size:.2g}, in the worst way that "
+        "they can change together. This is local to these values."
     ]

@@ -169,10 +169,12 @@ def number(
     plain = isinstance(value, kinds) and not isinstance(value, bool) and math.isfinite(value)
     if not (plain and value > above):
         least = "" if above == -math.inf else f" above {above:g}"
+        if whole and above > -math.inf:
+            least = f", {above + 1:g} or more"
         raise InputError(
             "a number is wanted", where=prefix + key, value=value,
             limit=("a whole number" if whole else "a finite number") + least,
-            remedy=f"give {prefix}{key} a number, or leave it at its default",
+            remedy=f"give {prefix}{key} such a number, or leave it at its default",
         )  # fmt: skip
     return value if whole else float(value)
 

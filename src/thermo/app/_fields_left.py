@@ -44,7 +44,7 @@ def fields_left(scene: Scene, fitted: Fitted, wanted: WantedOfFields) -> FieldsL
         return FieldsLeft(left_out=["Bands of fields and predictions: controls is 0."])
     asked = fitted.settings
     model_error = number(asked, "model_error", above=0.0)
-    print(f"what the data leave open on {wanted.controls} control points", file=sys.stderr)
+    print(f"what the data leave open on up to {wanted.controls} control points", file=sys.stderr)
     posterior = inverse.posterior(
         scene,
         fitted.folder,

@@ -25,6 +25,7 @@ class Fitted:
     """`runs` and `unknown` of a fit, and `values` by quantity, what was stated or a median [SI].
 
     - `folder`: where it is; `settings`: those of `thermo invert`.
+    - `unexplained`: its remarks on runs that it does not explain.
     - `varies`: whether its unknowns were fields and not one value each, and `uneven`: whether they
       came out as other than one value.
     """
@@ -36,6 +37,7 @@ class Fitted:
     settings: Mapping[str, Any]
     varies: bool
     uneven: bool
+    unexplained: tuple[str, ...]
 
 
 def read_fitted(folder: Path) -> Fitted:
@@ -67,7 +69,8 @@ def _fitted(folder: Path, record: dict[str, Any]) -> Fitted:
     runs, varies = tuple(record["fit"]["rmse"]), settings["field"]["kind"] != "uniform"
     spreads = [float(item["p95"]) / float(item["p05"]) - 1 for item in record["fields"].values()]
     uneven = varies and max(spreads) > ALL_BUT_UNIFORM
-    return Fitted(folder, runs, tuple(medians), given | medians, settings, varies, uneven)
+    odd = tuple(str(one) for one in record["remarks"] if "does not explain" in one)
+    return Fitted(folder, runs, tuple(medians), given | medians, settings, varies, uneven, odd)
 
 
 def check_same_body(folder: Path, scene: Scene) -> None:

@@ -62,9 +62,8 @@ def identify(settings: Mapping[str, Any]) -> None:
     print("meshing and compiling come first", file=sys.stderr)
     whole = _slopes(scene, asked, (*scales, *doubt), choice)
     others = _others(scene, asked, scales, choice, candidates, unknowns_of(whole, doubt))
-    plain = fitted is None
     here = Analysis(
-        settings, scene, whole, doubt, others, split, prior, model_error, wanted, plain, begun
+        settings, scene, whole, doubt, others, split, prior, model_error, wanted, fitted, begun
     )
     why = _no_refits(fitted, scales, choice, refits.budget)
     none = Refits(left_out=[f"Profiles, basins and scatter: {why or 'they are being made'}."])

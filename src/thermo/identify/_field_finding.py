@@ -35,9 +35,9 @@ def field_sentences(left: FieldPosterior) -> list[str]:
         dark = float(left.shares() @ (left.informed(name) < 0.5))
         length = 1e3 * float(np.median(left.resolution(name)))
         told.append(
-            f"{name} is the geometric mean over the surface; from place to place it is known to "
-            f"{100 * half:.2g} % on half of the faces and to {100 * most:.2g} % on 95 % of them "
-            f"(95 % bands), seen as a mean over some {length:.2g} mm. On {dark:.0%} of the "
-            "surface the smoothness tells more than the data."
+            f"From place to place {name} is known to {100 * half:.2g} % on half of the faces and "
+            f"to {100 * most:.2g} % on 95 % of them (95 % bands); a value there is one of some "
+            f"{length:.2g} mm around. On {dark:.0%} of the surface what a place differs by from "
+            "the mean is known from its neighbours more than from the readings."
         )
     return told

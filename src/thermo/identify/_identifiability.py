@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import final
 
@@ -29,12 +29,18 @@ class Identifiability:
     spectrum: Spectrum
     wanted: float
 
-    def sentences(self, *, before: bool = False) -> list[str]:
+    def sentences(self, *, before: bool = False, means: Collection[str] = ()) -> list[str]:
         """The verdict on each unknown and each free combination, in words.
 
-        `before` a fit values are what is stated, and the rest is foretold.
+        `before` a fit values are what is stated, and the rest is foretold. `means` names those
+        whose values are means of fields.
         """
-        told = [_sentence(item, "to be known" if before else "known") for item in self.findings]
+        known = "to be known" if before else "known"
+        told = [
+            f"The mean of {sentence}" if item.name in means else sentence
+            for item in self.findings
+            for sentence in [_sentence(item, known)]
+        ]
         told += [f"The data leave to the prior: {one.words()}." for one in self.free]
         told += [
             f"{listed(one.names)} have effects that look alike "

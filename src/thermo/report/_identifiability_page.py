@@ -111,7 +111,8 @@ def _ends(found: Record | None) -> str:
 
 def _free(record: Record) -> str:
     found = [item["combination"] for item in record["null_directions"]]
-    return _list(found or ["The data lead in every direction."], "free")
+    of = " of one value each for the whole body" if record.get("fields") else ""
+    return _list(found or [f"The data lead in every direction{of}."], "free")
 
 
 def _fields(record: Record) -> list[str]:
