@@ -81,7 +81,7 @@ def test_only_runs_that_are_not_held_out_were_fitted(fitted: Estimate, scene: Sc
         assert np.array_equal(np.isfinite(run.measured), recording.valid[picked])
         difference = (run.simulated - run.measured)[np.isfinite(run.measured)]
         assert run.rmse == pytest.approx(np.sqrt(np.mean(difference**2)), rel=1e-9)
-        # The mesher does not repeat itself: cells this coarse are wrong by 0.04 to 0.07 K under a lamp.
+        # Meshes differ: cells this coarse are wrong by 0.04 to 0.07 K under a lamp.
         assert 0.8 * NOISE < run.rmse < 0.1
 
 
