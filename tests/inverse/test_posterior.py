@@ -35,13 +35,18 @@ def left(block: Path, fitted: Estimate, exact: Meshing, stepping: Stepping) -> F
     return posterior(block, fitted, count=COUNT, meshing=exact, stepping=stepping)
 
 
+# Far above what any mesh of so few cells is wrong by, so that no run weighs less for its misfit.
+ROUGH = 0.5
+
+
 @pytest.fixture(scope="module")
 def held(block: Path, fitted: Estimate, exact: Meshing, stepping: Stepping) -> FieldPosterior:
     """With next to no step between neighbours, and without what cells and steps make wrong."""
     plain = replace(exact, corrected=False)
     return posterior(
-        block, fitted, count=COUNT, meshing=plain, stepping=stepping, prior=Prior(step=1e-5)
-    )
+        block, fitted, count=COUNT, meshing=plain, stepping=stepping, prior=Prior(step=1e-5),
+        model_error=ROUGH,
+    )  # fmt: skip
 
 
 def test_the_mean_is_where_the_truth_is_and_the_field_may_be_uniform(left: FieldPosterior) -> None:
@@ -53,37 +58,41 @@ def test_the_mean_is_where_the_truth_is_and_the_field_may_be_uniform(left: Field
     assert np.abs(left.shift).max() > 0
 
 
-def test_with_no_step_between_neighbours_it_is_what_one_value_leaves(
-    block: Path, fitted: Estimate, left: FieldPosterior, held: FieldPosterior, exact: Meshing,
-    stepping: Stepping,
-) -> None:  # fmt: skip
-    (only,) = held.mixture
+@pytest.fixture(scope="module")
+def one_value(
+    block: Path, fitted: Estimate, exact: Meshing, stepping: Stepping
+) -> dict[str, float]:
+    """By run, what its readings say of the logarithm of the one value [1]."""
     at = sensitivity(
         block, unknown=("conductivity",), meshing=exact, stepping=stepping,
         initial={"conductivity": float(fitted.fields["conductivity"].faces[0])},
     )  # fmt: skip
-    readings = sum(
-        float(np.sum(slopes**2)) / (at.noise[run] ** 2 + 0.01**2)
+    return {
+        run: float(np.sum(slopes**2)) / (at.noise[run] ** 2 + ROUGH**2)
         for run, slopes in at.slopes.items()
-    )
+    }
+
+
+def test_with_no_step_between_neighbours_it_is_what_one_value_leaves(
+    held: FieldPosterior, one_value: dict[str, float]
+) -> None:
+    (only,) = held.mixture
     assert np.allclose(only.covariance, only.covariance[0, 0], rtol=1e-3)
-    # Readings that repeat each other, or a misfit beyond the noise, count for less.
-    assert 0.95 / readings <= only.covariance[0, 0] < 100 / readings
+    assert only.covariance[0, 0] == pytest.approx(1 / sum(one_value.values()), rel=0.02)
     assert np.all(held.shift == 0)
-    assert left.deviation("conductivity").min() > np.sqrt(only.covariance[0, 0])
 
 
 def test_fewer_runs_leave_more_open_and_a_folder_does_for_an_estimate(
     block: Path, fitted: Estimate, held: FieldPosterior, exact: Meshing, stepping: Stepping,
-    tmp_path: Path,
+    one_value: dict[str, float], tmp_path: Path,
 ) -> None:  # fmt: skip
     save_estimate(tmp_path / "estimate.npz", fitted)
     one = posterior(
         block, tmp_path, count=COUNT, meshing=replace(exact, corrected=False), stepping=stepping,
-        prior=Prior(step=1e-5), runs=("cooling",),
+        prior=Prior(step=1e-5), runs=("cooling",), model_error=ROUGH,
     )  # fmt: skip
     assert one.shift.shape == (COUNT, 1) and held.shift.shape == (COUNT, 2)
-    assert one.mixture[0].covariance.mean() > held.mixture[0].covariance.mean()
+    assert one.mixture[0].covariance[0, 0] == pytest.approx(1 / one_value["cooling"], rel=0.02)
 
 
 def test_bands_hold_the_readings_of_a_run_that_was_not_fitted(

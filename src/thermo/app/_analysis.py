@@ -55,9 +55,9 @@ class Analysis:
 
     def leave(self, out: Path, more: Refits, left: FieldsLeft) -> dict[str, Any]:
         """Write what is known so far; returns the record."""
-        whole = _allowing(self.whole, more.defect)
-        at, asked = unknowns_of(whole, self.doubt), {"prior": self.prior}
-        moved = shifts(whole, self.doubt, model_error=self.model_error, **asked)
+        at, asked = unknowns_of(self.whole, self.doubt), {"prior": self.prior}
+        at = _allowing(at, more.defect)
+        moved = shifts(self.whole, self.doubt, model_error=self.model_error, **asked)
         found = identifiability(at, model_error=self.model_error, wanted=self.wanted, **asked)
         chosen = next_runs(
             at, self.candidates, split=self.split, model_error=self.model_error, **asked

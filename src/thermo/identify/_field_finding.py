@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from thermo.identify._finding import Finding, check_wanted, finding
-from thermo.inverse import FieldPosterior
+from thermo.inverse import NORMAL, FieldPosterior
 
 
 def field_findings(left: FieldPosterior, *, wanted: float = 0.1) -> list[Finding]:
@@ -31,7 +31,7 @@ def field_sentences(left: FieldPosterior) -> list[str]:
     """How well each field is known from place to place, in words."""
     told = []
     for name in left.fields:
-        half, most = np.expm1(1.96 * np.quantile(left.deviation(name), [0.5, 0.95]))
+        half, most = np.expm1(NORMAL * np.quantile(left.deviation(name), [0.5, 0.95]))
         dark = float(left.shares() @ (left.informed(name) < 0.5))
         length = 1e3 * float(np.median(left.resolution(name)))
         told.append(

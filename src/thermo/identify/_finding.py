@@ -12,13 +12,10 @@ from thermo.errors import InputError
 from thermo.fields import QUANTITIES
 from thermo.identify._information import bounds_of, pulls
 from thermo.identify._spectrum import Spectrum
-from thermo.inverse import Sensitivity
+from thermo.inverse import NORMAL, Sensitivity
 
 Verdict = Literal["identified", "weak", "not_identified", "at_bound"]
 """What is said of an unknown."""
-
-NORMAL: Final = 1.959963984540054
-"""Half-width of a 95 % interval of a normal distribution, in standard deviations [1]."""
 
 FACTOR_TWO: Final = float(np.log(2.0))
 """Half-width of log(phi) [1] beyond which a value is not known to a factor of two."""

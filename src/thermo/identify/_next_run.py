@@ -112,7 +112,6 @@ def _both(now: Sensitivity, more: Sensitivity, name: str) -> Sensitivity:
         noise=added(now.noise, more.noise),
         accuracy=max(now.accuracy, more.accuracy),
         staying=added(now.staying, more.staying),
-        defect=added(now.defect, more.defect),
         values=now.values,
     )
 

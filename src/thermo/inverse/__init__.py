@@ -1,6 +1,6 @@
 """From recordings to fields, and from fields to predictions."""
 
-from thermo.inverse._bands import Band, bands
+from thermo.inverse._bands import NORMAL, Band, bands
 from thermo.inverse._body import SCANNED_CONDUCTIVITIES, Meshing
 from thermo.inverse._checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from thermo.inverse._estimate import (
@@ -42,6 +42,7 @@ from thermo.inverse._task import Prior
 __all__ = [
     "ALL_BUT_UNIFORM",
     "CONTROLS",
+    "NORMAL",
     "PREDICTION_NODES",
     "SCALES",
     "SCANNED_CONDUCTIVITIES",

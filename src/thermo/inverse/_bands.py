@@ -20,7 +20,7 @@ from thermo.observe import Scene, estimate_noise, read_scene
 NORMAL = 1.959963984540054
 """Half-width of a 95 % interval of a normal distribution, in standard deviations [1]."""
 
-MODEL_STEP = 0.02
+_STEP_ERROR = 0.02
 """Error of a time step [K] in the simulations of draws, whose differences alone count."""
 
 
@@ -48,7 +48,6 @@ def bands(
     draws: int = 20,
     seed: int = 0,
     model_error: float = 0.01,
-    tolerance: float = MODEL_STEP,
 ) -> dict[str, Band]:
     """Prediction bands of runs, by name, on the mesh of the fit.
 
@@ -60,7 +59,6 @@ def bands(
     - `data`: the scene, or its folder; `left`: what `posterior` made of it.
     - `runs`: names; all that are held out by default.
     - `draws`: how many [1], with a `seed`; `model_error`: of the simulation itself [K].
-    - `tolerance`: error of a time step [K].
 
     Raises `InputError` for unknown runs and for fewer than two draws.
     """
@@ -83,7 +81,9 @@ def bands(
     found = {}
     for run in select_runs(scene, runs, held_out=True):
         record, where = run.recording, f"{scene.folder}: runs.{run.name}.recording"
-        middle, *drawn = temperatures(left.mesh, left.order, run, bodies, tolerance, where).values()
+        middle, *drawn = temperatures(
+            left.mesh, left.order, run, bodies, _STEP_ERROR, where
+        ).values()
         deviation = np.sqrt(np.mean((np.stack(drawn) - middle) ** 2, axis=0))
         noise = estimate_noise(record).total()
         wide = NORMAL * np.sqrt(deviation**2 + noise**2 + model_error**2)

@@ -156,10 +156,11 @@ class FieldPosterior:
         random = np.random.default_rng(seed)
         weights = np.array([one.weight for one in self.mixture])
         picked = random.choice(len(weights), count, p=weights / weights.sum())
+        roots = {number: _root(self.mixture[number].covariance) for number in set(picked)}
         made = []
         for number in picked:
             one = self.mixture[number]
-            moved = one.move + _root(one.covariance) @ random.standard_normal(len(one.move))
+            moved = one.move + roots[number] @ random.standard_normal(len(one.move))
             moved += self.shift @ random.standard_normal(self.shift.shape[1])
             made.append(self._departed(moved))
         return made

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from thermo.inverse import Band, FieldPosterior
+from thermo.inverse import NORMAL, Band, FieldPosterior
 
 from ._npz import write_npz
 
@@ -81,7 +81,7 @@ def _maps(left: FieldPosterior, name: str) -> dict[str, list[float]] | None:
         return None
     shown = {
         f"value [{left.fields[name].quantity.unit}]": np.asarray(left.fields[name].face_values()),
-        "95 % band [%]": 100 * np.expm1(1.96 * left.deviation(name)),
+        "95 % band [%]": 100 * np.expm1(NORMAL * left.deviation(name)),
         "informed by data": left.informed(name),
     }
     return {word: [float(f"{one:.4g}") for one in values] for word, values in shown.items()}

@@ -10,6 +10,8 @@ import numpy as np
 from plotly.graph_objects import Figure
 from plotly.offline import get_plotlyjs
 
+from thermo.inverse import NORMAL
+
 from ._identifiability_plots import (
     correlations,
     field_maps,
@@ -115,6 +117,11 @@ def _free(record: Record) -> str:
     return _list(found or [f"The data lead in every direction{of}."], "free")
 
 
+def _within(deviation: float) -> str:
+    """Half of a 95 % interval from the standard deviation of a logarithm [1]."""
+    return f"{100 * np.expm1(NORMAL * deviation):.2g} %"
+
+
 def _fields(record: Record) -> list[str]:
     found = record.get("fields", {})
     if not found:
@@ -122,7 +129,7 @@ def _fields(record: Record) -> list[str]:
     header = ["field", "known on half of the faces", "on 95 % of them", "a mean over", "controls",
               "directions that the data lead"]  # fmt: skip
     rows = [
-        [name, *(f"{100 * np.expm1(1.96 * item['deviation'][q]):.2g} %" for q in ("median", "p95")),
+        [name, *(_within(item["deviation"][quantile]) for quantile in ("median", "p95")),
          f"{1e3 * item['resolution_m']['median']:.2g} mm", str(item["controls"]),
          str(item["data_led"])]
         for name, item in found.items()
