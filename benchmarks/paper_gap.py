@@ -27,7 +27,8 @@ PAPER, BEST = PRESETS["paper"], PRESETS["best"]
 def variants() -> dict[str, Preset]:
     """The paper's preset, with one thing as ours, or more or less of one thing, at a time."""
     controls = replace(PAPER, choice=OnControlPoints(count=60))
-    least_squares = replace(controls, optimiser=LevenbergMarquardt())
+    bare = replace(PAPER.meshing, corrected=False)
+    least_squares = replace(controls, optimiser=LevenbergMarquardt(), meshing=bare)
     return {
         "paper": PAPER,
         "second-order steps": replace(PAPER, stepping=BEST.stepping),
@@ -37,7 +38,7 @@ def variants() -> dict[str, Preset]:
         "control points": controls,
         "control points, least squares": least_squares,
         "control points, least squares, smoothness from the data": replace(
-            least_squares, prior=Prior()
+            least_squares, prior=Prior(), meshing=PAPER.meshing
         ),
         "best, not corrected": replace(BEST, meshing=replace(BEST.meshing, corrected=False)),
         "best": BEST,

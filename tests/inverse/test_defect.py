@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -83,6 +84,17 @@ def test_the_defect_takes_off_most_of_what_cells_and_steps_make_wrong(
     shown = np.asarray(apart)[second][np.asarray(plain.cases[0].used)[second] > 0]
     assert defect_sizes(corrected)[1] == pytest.approx(np.sqrt(np.mean(shown**2)))
     assert set(defect_sizes(plain).values()) == {0.0}
+
+
+def test_a_field_that_varies_is_measured_as_it_stands(
+    task: Task, ready: Ready, plain: Objective
+) -> None:
+    (even,) = defects(task, ready, plain)
+    field = ready.fields["conductivity"]
+    moved = jnp.linspace(-1.0, 1.0, len(field.control_values()))
+    tilted = field.with_parameters(field.parameters() + moved)
+    (apart,) = defects(task, ready, replace(plain, fields={"conductivity": tilted}))
+    assert np.abs(apart - even).max() > 0.3 * np.abs(even).max()
 
 
 def test_recordings_do_not_enter(task: Task, ready: Ready, plain: Objective) -> None:

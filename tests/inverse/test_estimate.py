@@ -164,5 +164,5 @@ def test_others_may_read_the_file(tmp_path: Path) -> None:
 def test_the_error_at_the_end_is_that_of_the_last_frame_with_readings() -> None:
     measured = np.array([[300.0, 300.0, 300.0], [301.0, 302.0, np.nan], [np.nan] * 3])
     simulated = np.array([[309.0, 309.0, 309.0], [301.5, 301.0, 350.0], [400.0] * 3])
-    run = RunFit(1.0, 0.1, 0.1, np.arange(3.0), np.zeros((3, 3)), measured, simulated)
+    run = RunFit(1.0, 0.1, 0.0, 0.1, np.arange(3.0), np.zeros((3, 3)), measured, simulated)
     assert run.final_mae() == pytest.approx(0.75)

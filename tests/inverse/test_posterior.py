@@ -27,7 +27,7 @@ COUNT = 12
 @pytest.fixture(scope="module")
 def exact(meshing: Meshing) -> Meshing:
     """The cells of the fit for slopes as well."""
-    return replace(meshing, order=2, coarse_tangents=False)
+    return replace(meshing, order=2, coarse_tangents=False, corrected=True)
 
 
 @pytest.fixture(scope="module")

@@ -37,7 +37,8 @@ POINTS = OnControlPoints(count=4)
 def task(block: Path, meshing: Meshing) -> Task:
     scene: Scene = read_scene(block)
     stepping = Stepping(integrator=BackwardEuler(), size=3.0)
-    how = (POINTS, LevenbergMarquardt(), Prior(), stepping, replace(meshing, order=2))
+    cells = replace(meshing, order=2, corrected=True)
+    how = (POINTS, LevenbergMarquardt(), Prior(), stepping, cells)
     return Task(scene, (scene.runs["lamp"],), ("conductivity",), *how, "tet4_tet10", START, 0, 0.01)
 
 
@@ -53,13 +54,14 @@ def ready(task: Task) -> Ready:
         ({"stages": "none"}, True, (2, 2, *(2,) * ASKED)),
         ({"choice": Patchwise(patches=3)}, True, (1, 2, 2, *(2,) * ASKED)),
         ({"meshing": Meshing(order=1, corrected=False)}, True, (1, *(1,) * ASKED)),
-        ({"prior": Prior(step=0.3)}, False, (1, 2)),
-        ({"prior": Prior(step=0.3), "stages": "none"}, False, (2,)),
+        ({"prior": Prior(step=0.3)}, False, (1, 2, 2)),
+        ({"prior": Prior(step=0.3), "stages": "none"}, False, (2, 2)),
         ({"optimiser": Adam()}, False, (1, 2)),
-        ({"choice": Uniform()}, False, (1, 2)),
-        ({"choice": TwoMaterials(count=6)}, False, (1, 2)),
-        ({"choice": TwoMaterials(count=6), "stages": "none"}, False, (2, 2)),
-        ({"choice": Network(count=4, width=32)}, False, (1, 2)),
+        ({"choice": Uniform()}, False, (1, 2, 2)),
+        ({"choice": Uniform(), "meshing": Meshing(corrected=False)}, False, (1, 2)),
+        ({"choice": TwoMaterials(count=6)}, False, (1, 2, 2)),
+        ({"choice": TwoMaterials(count=6), "stages": "none"}, False, (2, 2, 2)),
+        ({"choice": Network(count=4, width=32)}, False, (1, 2, 2)),
     ],
 )
 def test_the_stages_of_a_fit(
@@ -106,6 +108,14 @@ def test_one_value_comes_first_and_the_field_begins_with_it(task: Task, ready: R
     defect = np.asarray(third.cases[0].defect)
     assert 1e-4 < np.abs(defect).max() < 1.0
     assert np.array_equal(fourth.cases[0].defect, defect)
+
+
+def test_values_are_corrected_in_the_end_and_go_on_from_where_they_stand(task: Task) -> None:
+    alone = replace(task, choice=Uniform(), stages="none")
+    first, last = stages(alone, prepare(alone))
+    assert not np.any(first.cases[0].defect) and np.any(last.cases[0].defect)
+    # Nothing else changes, so that no program is compiled anew.
+    assert last.fields is first.fields and last.settled == first.settled
 
 
 def test_without_a_correction_nothing_is_added(task: Task) -> None:

@@ -128,7 +128,7 @@ def test_the_map_of_a_heated_run_is_of_the_last_frame_with_the_lamp_on(case: Cas
     end = float(run.heater.until)
     time = np.array([0.5 * end, end, 1.5 * end])
     simulated = np.array([[1.0], [2.0], [3.0]])
-    fit = RunFit(1.0, 0.1, 0.1, time, np.zeros((1, 3)), np.zeros((3, 1)), simulated)
+    fit = RunFit(1.0, 0.1, 0.0, 0.1, time, np.zeros((1, 3)), np.zeros((3, 1)), simulated)
     assert error_at_the_end(run, fit) == pytest.approx([2.0])
     assert error_at_the_end(replace(run, heater=None), fit) == pytest.approx([3.0])
 

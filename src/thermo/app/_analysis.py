@@ -25,7 +25,7 @@ from thermo.identify import (
     shifts,
     unknowns_of,
 )
-from thermo.inverse import UNEXPLAINED, FieldPosterior
+from thermo.inverse import DEFECT_LEFT, UNEXPLAINED, FieldPosterior
 from thermo.observe import Scene
 from thermo.report import (
     band_record,
@@ -56,7 +56,7 @@ class Analysis:
     def leave(self, out: Path, more: Refits, left: FieldsLeft) -> dict[str, Any]:
         """Write what is known so far; returns the record."""
         at, asked = unknowns_of(self.whole, self.doubt), {"prior": self.prior}
-        at = _allowing(at, more.defect)
+        at = self._allowing(at, more.defect)
         moved = shifts(self.whole, self.doubt, model_error=self.model_error, **asked)
         found = identifiability(at, model_error=self.model_error, wanted=self.wanted, **asked)
         chosen = next_runs(
@@ -87,14 +87,16 @@ class Analysis:
         write_identifiability(out, record, title)
         return record
 
-
-def _allowing(at: inverse.Sensitivity, defect: Mapping[str, np.ndarray]) -> inverse.Sensitivity:
-    """Slopes beside what cells and steps make wrong, by run [K]."""
-    cut = {
-        name: apart[tuple(slice(length) for length in at.slopes[name].shape[:2])]
-        for name, apart in defect.items()
-    }
-    return replace(at, defect=cut)
+    def _allowing(
+        self, at: inverse.Sensitivity, defect: Mapping[str, np.ndarray]
+    ) -> inverse.Sensitivity:
+        """Slopes beside what the fit's cells and steps still make wrong, by run [K]."""
+        left = DEFECT_LEFT if self.fitted is not None and self.fitted.corrected else 1.0
+        cut = {
+            name: left * apart[tuple(slice(length) for length in at.slopes[name].shape[:2])]
+            for name, apart in defect.items()
+        }
+        return replace(at, defect=cut)
 
 
 def _size(apart: np.ndarray) -> float:

@@ -28,6 +28,7 @@ class Fitted:
     - `unexplained`: its remarks on runs that it does not explain.
     - `varies`: whether its unknowns were fields and not one value each, and `uneven`: whether they
       came out as other than one value.
+    - `corrected`: whether what its cells and steps make wrong was taken off.
     """
 
     folder: Path
@@ -37,6 +38,7 @@ class Fitted:
     settings: Mapping[str, Any]
     varies: bool
     uneven: bool
+    corrected: bool
     unexplained: tuple[str, ...]
 
 
@@ -69,8 +71,11 @@ def _fitted(folder: Path, record: dict[str, Any]) -> Fitted:
     runs, varies = tuple(record["fit"]["rmse"]), settings["field"]["kind"] != "uniform"
     spreads = [float(item["p95"]) / float(item["p05"]) - 1 for item in record["fields"].values()]
     uneven = varies and max(spreads) > ALL_BUT_UNIFORM
+    corrected = any(record["fit"].get("defect", {}).values())
     odd = tuple(str(one) for one in record["remarks"] if "does not explain" in one)
-    return Fitted(folder, runs, tuple(medians), given | medians, settings, varies, uneven, odd)
+    return Fitted(
+        folder, runs, tuple(medians), given | medians, settings, varies, uneven, corrected, odd
+    )
 
 
 def check_same_body(folder: Path, scene: Scene) -> None:

@@ -53,8 +53,8 @@ def findings(
 ) -> list[Finding]:
     """A verdict on each unknown.
 
-    Where `at` holds what cells and steps make wrong, the move that it causes in a fit that does not
-    know of it, b = C J'C^-1 d for each run, counts as an error of its own: C + b b'.
+    Where `at` holds what cells and steps still make wrong, the move that it causes in a fit that
+    does not know of it, b = C J'C^-1 d for each run, counts as an error of its own: C + b b'.
 
     Arguments:
 

@@ -3,6 +3,7 @@
 from thermo.inverse._bands import NORMAL, Band, bands
 from thermo.inverse._body import SCANNED_CONDUCTIVITIES, Meshing
 from thermo.inverse._checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from thermo.inverse._defect import DEFECT_LEFT
 from thermo.inverse._estimate import (
     Estimate,
     RecoveredField,
@@ -42,6 +43,7 @@ from thermo.inverse._task import Prior
 __all__ = [
     "ALL_BUT_UNIFORM",
     "CONTROLS",
+    "DEFECT_LEFT",
     "NORMAL",
     "PREDICTION_NODES",
     "SCALES",

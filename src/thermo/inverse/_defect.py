@@ -13,11 +13,13 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from thermo.inverse._body import make_mesh, surface_of
+from thermo.inverse._estimate import recovered
 from thermo.inverse._forward import forward
 from thermo.inverse._objective import Objective, case_temperatures, run_parts
 from thermo.inverse._properties import properties
 from thermo.inverse._reading_errors import whiten
 from thermo.inverse._task import Ready, Task
+from thermo.inverse._transfer import carry_over
 
 FINER: Final = 2.0
 """Edges and surface tolerance of the fit's mesh over those of the finer one [1]."""
@@ -25,7 +27,7 @@ FINER: Final = 2.0
 SHORTER: Final = 0.2
 """Error of a step of the finer run over that of the fit's [1]."""
 
-LEFT: Final = 1 / 3
+DEFECT_LEFT: Final = 1 / 3
 """What the finer run is still wrong by, over the defect [1]: halving the edges leaves a third of
 the difference in errors of second order, and less in those of higher order."""
 
@@ -36,11 +38,11 @@ Defects = Sequence[Float[Array, "runs frames samples"]]
 def defects(
     task: Task, ready: Ready, before: Objective
 ) -> list[Float[Array, "runs frames samples"]]:
-    """By how much finer runs read more than those of `before` [K], with one value each for a field.
+    """By how much finer runs read more than those of `before` [K], with the fields it stands at.
 
-    Added to the simulation of fields near these values, it takes off most of what cells and steps
-    make wrong: a field would bend to that where temperatures alone do not show it. The fit's own
-    mesh stays as coarse as it is, and so does the cost of a step of the fit.
+    Added to the simulation of fields near these, it takes off most of what cells and steps make
+    wrong: values move by it, and a field would bend to it where temperatures alone do not show it.
+    The fit's own mesh stays as coarse as it is, and so does the cost of a step of the fit.
 
     Source: Stetter, Numerische Mathematik 29 (1978) 425, the defect correction; Kaipio and
     Somersalo, J. Comput. Appl. Math. 198 (2007) 493, the mean of the approximation error.
@@ -48,11 +50,8 @@ def defects(
     diffusivity = ready.stated.of("diffusivity")
     mesh = make_mesh(task.scene, surface_of(task.scene), diffusivity, task.meshing, finer=FINER)
     sizes = (len(mesh.cells), len(mesh.faces))
-    values = {}
-    for name, field in before.fields.items():
-        level = float(field.control_values()[0])
-        values[name] = (np.full(sizes[0], level), np.full(sizes[1], level))
-    bodies = {"one value": properties(ready.stated, values, *sizes)}
+    values = carry_over(recovered(before.fields), ready.mesh, mesh)
+    bodies = {"here": properties(ready.stated, values, *sizes)}
     tolerance = SHORTER * task.stepping.tolerance
     numbers, found = iter(before.sequence), []
     for coarse in _temperatures(before):
@@ -94,7 +93,7 @@ def with_shared(objective: Objective) -> Objective:
     Source: Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001) 425, a discrepancy of the model.
     """
     cases = [
-        replace(case, shared=jax.vmap(whiten)(case.errors, case.used, LEFT * case.defect))
+        replace(case, shared=jax.vmap(whiten)(case.errors, case.used, DEFECT_LEFT * case.defect))
         for case in objective.cases
     ]
     return replace(objective, cases=tuple(cases))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import secrets
 import zlib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import final
@@ -14,7 +15,7 @@ import numpy as np
 from jaxtyping import Float
 
 from thermo.errors import InputError
-from thermo.fields import QUANTITIES, Boundary
+from thermo.fields import QUANTITIES, AbstractField, Boundary, TwoMaterialField
 from thermo.inverse._properties import Stated
 from thermo.mesh import Mesh, face_areas, mesh_from_cells
 
@@ -38,12 +39,27 @@ class RecoveredField:
     boundary: Boundary | None = None
 
 
+def recovered(found: Mapping[str, AbstractField]) -> dict[str, RecoveredField]:
+    """The values of fields [SI], by quantity."""
+    return {
+        name: RecoveredField(
+            name,
+            item.quantity.unit,
+            np.asarray(item.cell_values()),
+            np.asarray(item.face_values()),
+            item.boundary() if isinstance(item, TwoMaterialField) else None,
+        )
+        for name, item in found.items()
+    }
+
+
 @final
 @dataclass(frozen=True)
 class RunFit:
     """How one run was fitted.
 
     - `rmse` [K]; `noise`: of a reading from frame to frame [K].
+    - `defect`: root mean square of what was taken off for cells and steps [K], 0 without that.
     - `deviation`: standard deviation that each reading counted with, so that the run weighs as
       much as the independent readings that it holds [K].
     - `time` (frames,) [s]; `points` (samples, 3) [m].
@@ -52,6 +68,7 @@ class RunFit:
 
     rmse: float
     noise: float
+    defect: float
     deviation: float
     time: Float[np.ndarray, " frames"]
     points: Float[np.ndarray, "samples 3"]

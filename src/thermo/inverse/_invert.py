@@ -13,12 +13,11 @@ from thermo._compiled import make_room
 from thermo.errors import InputError
 from thermo.fields import AbstractField, TwoMaterialField
 from thermo.inverse._body import Meshing, duration
-from thermo.inverse._defect import defect_sizes
-from thermo.inverse._estimate import Estimate, RecoveredField, RunFit
+from thermo.inverse._estimate import Estimate, RunFit, recovered
 from thermo.inverse._field_choice import AbstractFieldChoice, OnControlPoints, TwoMaterials
 from thermo.inverse._least_squares import LevenbergMarquardt
 from thermo.inverse._minimise import OnStep, minimise
-from thermo.inverse._objective import Objective, with_fields
+from thermo.inverse._objective import with_fields
 from thermo.inverse._optimiser import AbstractOptimiser
 from thermo.inverse._properties import diffusivity_quantile
 from thermo.inverse._run_fit import run_fits
@@ -115,7 +114,7 @@ def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: flo
         mesh=ready.mesh,
         order=orders[-1],
         stated=ready.stated,
-        fields=_recovered(found),
+        fields=recovered(found),
         runs=met,
         history=fit.history,
         success=fit.success,
@@ -125,7 +124,7 @@ def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: flo
         remarks=(
             *_one_material(task, found),
             *(_chosen(smoothness) if data_choose(task, ready) else ()),
-            *_taken_off(task, fit.objective),
+            *_taken_off(met),
             *_unexplained(task, met),
         ),
     )
@@ -149,11 +148,10 @@ def _chosen(smoothness: dict[str, float]) -> list[str]:
     ]
 
 
-def _taken_off(task: Task, objective: Objective) -> list[str]:
-    sizes = {task.runs[number].name: size for number, size in defect_sizes(objective).items()}
-    if not any(sizes.values()):
+def _taken_off(met: dict[str, RunFit]) -> list[str]:
+    if not any(run.defect for run in met.values()):
         return []
-    words = ", ".join(f"{size:.2g} K in {name}" for name, size in sizes.items())
+    words = ", ".join(f"{run.defect:.2g} K in {name}" for name, run in met.items())
     return [
         f"What the fit's cells and steps make wrong is allowed for (mesh.corrected): {words} (RMS)."
     ]
@@ -173,16 +171,3 @@ def _unexplained(task: Task, met: dict[str, RunFit]) -> list[str]:
         for name, ratio in ratios.items()
         if ratio > UNEXPLAINED
     ]
-
-
-def _recovered(found: dict[str, AbstractField]) -> dict[str, RecoveredField]:
-    return {
-        name: RecoveredField(
-            name,
-            item.quantity.unit,
-            np.asarray(item.cell_values()),
-            np.asarray(item.face_values()),
-            item.boundary() if isinstance(item, TwoMaterialField) else None,
-        )
-        for name, item in found.items()
-    }

@@ -13,7 +13,7 @@ from thermo.inverse._body import Meshing, surface_of
 from thermo.inverse._defect import defects, with_defects, with_shared
 from thermo.inverse._estimate import Estimate, RecoveredField, load_estimate
 from thermo.inverse._evidence import Linearised, likely_steps
-from thermo.inverse._field_choice import NO_PAIRS, OnControlPoints, Uniform
+from thermo.inverse._field_choice import OnControlPoints
 from thermo.inverse._field_posterior import FieldPosterior, Smoothness
 from thermo.inverse._objective import Objective, run_parts
 from thermo.inverse._properties import Stated
@@ -21,7 +21,7 @@ from thermo.inverse._sensitivity import unfitted
 from thermo.inverse._smoothing import Nearby, linearised
 from thermo.inverse._stages import coarse_tangents, make_objective
 from thermo.inverse._stepping import Stepping
-from thermo.inverse._task import Prior, Ready, lay_out
+from thermo.inverse._task import Prior, lay_out
 from thermo.inverse._transfer import check_same_object
 from thermo.mesh import Mesh
 from thermo.observe import Scene
@@ -83,8 +83,7 @@ def posterior(
     if task.meshing.coarse_tangents is not False:
         objective = replace(objective, tangents=coarse_tangents(task, ready))
     if task.meshing.corrected:
-        middle = make_objective(task, _one_value(ready), order)
-        objective = with_defects(objective, defects(task, ready, middle))
+        objective = with_defects(objective, defects(task, ready, objective))
     near = linearised(objective, [run.recording.points for run in task.runs])
     return FieldPosterior(
         mesh, order, stated, fields, points, *_in_logarithms(objective, near, prior)
@@ -98,16 +97,6 @@ def _parts(
         return "estimate", estimate.mesh, estimate.order, estimate.stated, estimate.fields
     path = Path(estimate) / "estimate.npz"
     return str(path), *load_estimate(path)
-
-
-def _one_value(ready: Ready) -> Ready:
-    """The geometric mean over its controls in place of each field."""
-    fields = {}
-    for name, field in ready.fields.items():
-        level = float(np.exp(np.mean(np.log(field.control_values()))))
-        fields[name], _ = Uniform().make(field.quantity, ready.mesh, level, 0)
-    priors = {name: replace(prior, pairs=NO_PAIRS) for name, prior in ready.priors.items()}
-    return replace(ready, fields=fields, priors=priors)
 
 
 def _in_logarithms(

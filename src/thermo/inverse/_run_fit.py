@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from thermo.inverse._defect import defect_sizes
 from thermo.inverse._estimate import RunFit
 from thermo.inverse._minimise import Fit
 from thermo.inverse._objective import Objective, residual, run_parts
@@ -24,7 +25,7 @@ def run_fits(fit: Fit, runs: tuple[Run, ...], grids: dict[str, TimeGrid]) -> dic
         whitened = eqx.filter_jit(residual)(objective, fit.parameters)
     apart = _differences(objective, jnp.asarray(whitened))
     measured = [np.asarray(one) for case in objective.cases for one in case.data]
-    result = {}
+    result, defect = {}, defect_sizes(objective)
     for place, (number, _, weight) in enumerate(run_parts(objective)):
         run = runs[number]
         frames, samples = len(grids[run.name].frame_time), len(run.recording.points)
@@ -34,6 +35,7 @@ def run_fits(fit: Fit, runs: tuple[Run, ...], grids: dict[str, TimeGrid]) -> dic
         result[run.name] = RunFit(
             rmse=float(np.sqrt(np.nanmean(difference**2))),
             noise=estimate_noise(run.recording).white,
+            defect=defect[number],
             deviation=1 / float(weight.max()),
             time=np.asarray(grids[run.name].frame_time),
             points=run.recording.points,

@@ -45,8 +45,8 @@ class Sensitivity:
     - `accuracy`: tolerance of the solver that the slopes come from, relative [1].
     - `staying`: by run, standard deviation of what is not known of a sample's constant error [K].
     - `values`: of the unknowns, where the slopes were taken, (unknowns,) [SI].
-    - `defect`: by run, what cells and steps make wrong in all readings at once, its size known and
-      not its sign, (frames, samples) [K]; empty where that was not measured.
+    - `defect`: by run, what cells and steps still make wrong in all readings at once, its size
+      known and not its sign, (frames, samples) [K]; empty where that was not measured.
     """
 
     names: tuple[str, ...]

@@ -59,18 +59,22 @@ def data_choose(task: Task, ready: Ready) -> bool:
 def stage_orders(task: Task, ready: Ready) -> tuple[int, ...]:
     """The order [1] of the cells in each stage.
 
-    Where the data choose the smoothness, one value for the body is fitted first, once more with
-    what cells and steps make wrong taken off, then the field, and again where the data then ask
-    for another smoothness.
+    Where an optimiser stops by itself, what cells and steps make wrong is measured in the end and
+    taken off, and the fit goes on. Where the data choose the smoothness, all that is done with one
+    value for the body; then comes the field, and again where the data ask for another smoothness.
     """
     order = task.meshing.order
     first = 1 if task.stages == "tet4_tet10" else order
     both = (first, order) if first != order else (order,)
-    if data_choose(task, ready):
-        return (*both, *(order,) * task.meshing.corrected, *(order,) * ASKED)
     if isinstance(task.choice, AbstractStagedChoice):
-        return first, order
-    return both
+        both = (first, order)
+    asked = ASKED if data_choose(task, ready) else 0
+    return (*both, *(order,) * _corrected(task), *(order,) * asked)
+
+
+def _corrected(task: Task) -> bool:
+    """Whether what cells and steps make wrong is taken off."""
+    return task.meshing.corrected and not task.optimiser.fixed_length()
 
 
 def make_stage(task: Task, ready: Ready, number: int, before: Objective | None) -> Objective | None:
@@ -84,17 +88,16 @@ def make_stage(task: Task, ready: Ready, number: int, before: Objective | None) 
     if number >= plain:
         assert before is not None, "a field begins with the value of the whole body"
         return _asked_stage(task, ready, orders[number], before, first=number == plain)
+    last = plain - 1 - _corrected(task)
+    if number > last:
+        assert before is not None, "fields have been fitted"
+        return with_defects(before, defects(task, ready, before))
     if asked:
         ready = _one_value(ready, before)
     elif before is not None:
         ready = _go_on(task, ready, before)
     objective = make_objective(task, ready, orders[number])
-    if number + 1 < plain:
-        return replace(objective, settled=SETTLED_EARLY)
-    if asked and task.meshing.corrected:
-        assert before is not None, "one value has been fitted"
-        return with_defects(objective, defects(task, ready, before))
-    return objective
+    return objective if number == last else replace(objective, settled=SETTLED_EARLY)
 
 
 def _asked_stage(

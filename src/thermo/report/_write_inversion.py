@@ -30,6 +30,7 @@ def inversion_record(estimate: Estimate, configuration: Mapping[str, Any]) -> di
         "fit": {
             "rmse": {name: run.rmse for name, run in estimate.runs.items()},
             "noise": {name: run.noise for name, run in estimate.runs.items()},
+            "defect": {name: run.defect for name, run in estimate.runs.items()},
             "deviation": {name: run.deviation for name, run in estimate.runs.items()},
             "final_mae": {name: run.final_mae() for name, run in estimate.runs.items()},
             "rmse_unit": "K",
