@@ -35,6 +35,16 @@ def test_a_candidate_is_like_a_run_but_for_what_is_said(scene: Scene) -> None:
     assert build_candidates(None, scene) == {}
 
 
+def test_another_camera_sees_as_many_other_places(scene: Scene) -> None:
+    section = {"below": {"like": "cooling", "camera": [0.01, 0.006, -0.3]}}
+    record, like = build_candidates(section, scene)["below"].recording, scene.runs["cooling"]
+    assert record.points.shape == like.recording.points.shape
+    assert np.allclose(record.points[:, 2], 0.0)
+    assert record.temperature.shape == like.recording.temperature.shape
+    assert record.quiet is not None and record.quiet.shape[1] == len(record.points)
+    assert np.isin(record.temperature[record.valid], like.recording.temperature).all()
+
+
 @pytest.mark.parametrize(
     ("section", "where", "part"),
     [
@@ -46,6 +56,8 @@ def test_a_candidate_is_like_a_run_but_for_what_is_said(scene: Scene) -> None:
         ({"hot": {"like": "cooling", "power": 3.0}}, "candidates.hot", "heater"),
         ({"hot": {"like": "lamp", "power": "much"}}, "candidates.hot.power", "number"),
         ({"hot": {"like": "lamp", "power": -1.0}}, "candidates.hot.power", "0"),
+        ({"hot": {"like": "lamp", "camera": 3}}, "candidates.hot.camera", "[x,y,z]"),
+        ({"hot": {"like": "lamp", "camera": [0.01, 0.006, 0.004]}}, "candidates.hot.camera", "[m]"),
         ({"hot": {"like": "lamp", "duration": 0}}, "candidates.hot.duration", "0"),
         ({"hot": {"like": "cooling", "initial_temperature": 25}},
          "candidates.hot.initial_temperature", ""),

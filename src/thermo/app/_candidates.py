@@ -6,9 +6,14 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial import KDTree
+
 from thermo.app._configuration import number
 from thermo.errors import InputError
-from thermo.observe import Heater, Recording, Run, Scene
+from thermo.mesh import read_surface
+from thermo.observe import Heater, Recording, Run, Scene, seen_from
 
 _LAMP = ("centre", "direction", "radius", "power", "until", "rise")
 _AROUND = ("initial_temperature", "ambient_temperature", "radiation_temperature")
@@ -18,8 +23,9 @@ def build_candidates(section: Any, scene: Scene) -> dict[str, Run]:
     """By name, each run that could be made [SI]; nothing without a section.
 
     An entry is `like`, the run of the scene whose samples, frames and conditions it has, and what
-    is other: temperatures, parts of the lamp, or `duration` [s], over which its frames are spread.
-    Temperatures of its recording are those of `like` and mean nothing.
+    is other: temperatures, parts of the lamp, `duration` [s], over which its frames are spread, or
+    the place of a `camera` [m], which sees as many samples as `like` has, others. Temperatures of
+    its recording are those of `like` and mean nothing.
 
     Raises `InputError` for a run that is not there, an unknown key and values that cannot be.
     """
@@ -36,7 +42,7 @@ def build_candidates(section: Any, scene: Scene) -> dict[str, Run]:
 
 def _candidate(name: str, entry: Any, scene: Scene) -> Run:
     where = f"candidates.{name}"
-    known = ("like", "duration", *_AROUND, *_LAMP)
+    known = ("like", "duration", "camera", *_AROUND, *_LAMP)
     if not isinstance(entry, Mapping) or not set(entry) <= set(known):
         odd = entry if not isinstance(entry, Mapping) else min(set(entry) - set(known))
         raise InputError(
@@ -56,9 +62,34 @@ def _candidate(name: str, entry: Any, scene: Scene) -> Run:
         record = Recording(
             record.points, record.time * longer, record.temperature, record.valid, record.quiet
         )
+    if "camera" in entry:
+        record = _seen(record, entry["camera"], scene, f"{where}.camera")
     lamp = {key: entry[key] for key in _LAMP if key in entry}
     heater = like.heater if not lamp else _lamp(like, lamp, where)
     return replace(like, name=name, recording=record, heater=heater, **around, where=where)
+
+
+def _seen(record: Recording, camera: Any, scene: Scene, where: str) -> Recording:
+    """As many samples where a camera sees them; each reads as the nearest one of the record."""
+    surface = read_surface(scene.surface_path, unit=scene.unit)  # type: ignore[arg-type]
+    points = seen_from(surface, _place(camera, where), len(record.points), where=where)
+    _, near = KDTree(record.points).query(points)
+    quiet = None if record.quiet is None else record.quiet[:, near]
+    return Recording(points, record.time, record.temperature[:, near], record.valid[:, near], quiet)
+
+
+def _place(value: Any, where: str) -> Float[np.ndarray, "3"]:
+    """A point [m]. Raises `InputError`."""
+    try:
+        place = np.asarray(value, dtype=float)
+        if place.shape != (3,) or not np.isfinite(place).all():
+            raise ValueError
+    except (TypeError, ValueError) as fault:
+        raise InputError(
+            "a place is three numbers", where=where, value=value, limit="[x,y,z] in metres",
+            remedy="give it in the axes of the surface, [0,0,0.3] for example",
+        ) from fault  # fmt: skip
+    return place
 
 
 def _lamp(like: Run, lamp: Mapping[str, Any], where: str) -> Heater:

@@ -1,0 +1,114 @@
+"""What a camera would see of a surface."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from thermo.errors import InputError
+from thermo.mesh import Surface
+
+# Points tried for each one wanted; rounds after which what was found is enough; points whose
+# lines of sight are followed at once [1].
+_TRIED: Final = 4
+_ROUNDS: Final = 8
+_AT_ONCE: Final = 64
+# A line of sight begins this far from its point, over its length [1]: it does not meet itself.
+_OFF: Final = 1e-6
+
+
+def seen_from(
+    surface: Surface,
+    camera: Float[np.ndarray, "3"],
+    count: int,
+    *,
+    seed: int = 0,
+    where: str = "camera",
+) -> Float[np.ndarray, "samples 3"]:
+    """Points of a surface that a camera sees, as dense as its pixels [m].
+
+    Each pixel takes in as much solid angle as the next, so that the points on a surface at distance
+    r, inclined by theta, are as dense as cos(theta) / r^2. What another part of the surface hides
+    is not seen.
+
+    Arguments:
+
+    - `surface`: checked, turned outward [m]; `camera`: where it stands [m].
+    - `count`: how many points [1], drawn with `seed`; fewer where little of the surface is seen.
+    - `where`: what messages call the camera.
+
+    Raises `InputError` where nothing is seen.
+
+    Source: the form factor of a small surface to a point, Modest, Radiative Heat Transfer (2013),
+    chapter 4; lines of sight by Moeller and Trumbore, J. Graphics Tools 2 (1997) 21.
+    """
+    random = np.random.default_rng(seed)
+    corners = surface.vertices[surface.triangles]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    # Whatever hides a point turns a front towards the camera as well.
+    front = np.einsum("ij,ij->i", across, camera - corners[:, 0]) > 0
+    if not front.any():
+        raise _unseen(camera, where)
+    corners, across = corners[front], across[front]
+    areas = np.linalg.norm(across, axis=1)
+    found = []
+    for _ in range(_ROUNDS):
+        picked = random.choice(len(areas), _TRIED * count, p=areas / areas.sum())
+        points = _within(corners[picked], random)
+        away = camera - points
+        length = np.linalg.norm(away, axis=1)
+        dense = np.einsum("ij,ij->i", across[picked], away) / (areas[picked] * length**3)
+        kept = random.random(len(points)) < dense / dense.max()
+        points = points[kept]
+        found.append(points[~_hidden(points, camera, corners)])
+        if sum(map(len, found)) >= count:
+            break
+    every = np.concatenate(found)[:count]
+    if len(every) == 0:
+        raise _unseen(camera, where)
+    return every
+
+
+def _unseen(camera: Float[np.ndarray, "3"], where: str) -> InputError:
+    return InputError(
+        "this camera sees nothing of the body", where=where,
+        value=", ".join(f"{one:g}" for one in camera), limit="a place outside of it [m]",
+        remedy="give the place in the axes of the surface, in metres",
+    )  # fmt: skip
+
+
+def _within(
+    corners: Float[np.ndarray, "points 3 3"], random: np.random.Generator
+) -> Float[np.ndarray, "points 3"]:
+    """A point of each triangle, all of it alike likely [m]."""
+    one, other = random.random((2, len(corners)))
+    over = one + other > 1
+    one, other = np.where(over, 1 - one, one), np.where(over, 1 - other, other)
+    sides = corners[:, 1:] - corners[:, :1]
+    return corners[:, 0] + one[:, None] * sides[:, 0] + other[:, None] * sides[:, 1]
+
+
+def _hidden(
+    points: Float[np.ndarray, "points 3"],
+    camera: Float[np.ndarray, "3"],
+    corners: Float[np.ndarray, "faces 3 3"],
+) -> Bool[np.ndarray, " points"]:
+    """Whether a triangle [m] stands between each point and the camera."""
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    hidden = np.zeros(len(points), bool)
+    for begin in range(0, len(points), _AT_ONCE):
+        part = slice(begin, begin + _AT_ONCE)
+        way = (camera - points[part])[:, None]
+        beside = np.cross(way, second)
+        volume = np.einsum("ptk,tk->pt", beside, first)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            apart = points[part][:, None] - corners[:, 0]
+            u = np.einsum("ptk,ptk->pt", apart, beside) / volume
+            turned = np.cross(apart, first)
+            v = np.einsum("ptk,ptk->pt", np.broadcast_to(way, turned.shape), turned) / volume
+            along = np.einsum("ptk,tk->pt", turned, second) / volume
+        met = (u >= 0) & (v >= 0) & (u + v <= 1) & (along > _OFF) & (along < 1)
+        hidden[part] = met.any(axis=1)
+    return hidden
