@@ -242,7 +242,7 @@ def test_names_are_checked_before_any_work(scene: Scene, monkeypatch: pytest.Mon
 
 
 def test_the_data_call_one_material_uniform(block: Path, meshing: Meshing) -> None:
-    quadratic = replace(meshing, order=2)
+    quadratic = replace(meshing, order=2, corrected=True)
     stepping = Stepping(tolerance=0.02)
     how = {"meshing": quadratic, "stepping": stepping}
     choice = OnControlPoints(count=12)

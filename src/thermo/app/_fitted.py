@@ -28,7 +28,8 @@ class Fitted:
     - `unexplained`: its remarks on runs that it does not explain.
     - `varies`: whether its unknowns were fields and not one value each, and `uneven`: whether they
       came out as other than one value.
-    - `corrected`: whether what its cells and steps make wrong was taken off.
+    - `corrected`: whether what its cells and steps make wrong was taken off; `dropped`: whether
+      spikes were left out.
     """
 
     folder: Path
@@ -39,6 +40,7 @@ class Fitted:
     varies: bool
     uneven: bool
     corrected: bool
+    dropped: bool
     unexplained: tuple[str, ...]
 
 
@@ -72,9 +74,19 @@ def _fitted(folder: Path, record: dict[str, Any]) -> Fitted:
     spreads = [float(item["p95"]) / float(item["p05"]) - 1 for item in record["fields"].values()]
     uneven = varies and max(spreads) > ALL_BUT_UNIFORM
     corrected = any(record["fit"].get("defect", {}).values())
+    dropped = settings.get("drop_spikes") is True
     odd = tuple(str(one) for one in record["remarks"] if "does not explain" in one)
     return Fitted(
-        folder, runs, tuple(medians), given | medians, settings, varies, uneven, corrected, odd
+        folder,
+        runs,
+        tuple(medians),
+        given | medians,
+        settings,
+        varies,
+        uneven,
+        corrected,
+        dropped,
+        odd,
     )
 
 

@@ -23,13 +23,12 @@ from thermo.app._configuration import (
 from thermo.app._fields_left import FieldsLeft, WantedOfFields, fields_left
 from thermo.app._fitted import Fitted, check_same_body, read_fitted
 from thermo.app._refits import Refits, Wanted, refit
+from thermo.app._scene import scene_of
 from thermo.errors import InputError
 from thermo.fields import QUANTITIES
-from thermo.identify import (
-    unknowns_of,
-)
+from thermo.identify import unknowns_of
 from thermo.inverse import SCALES, Uniform
-from thermo.observe import Run, Scene, read_scene
+from thermo.observe import Run, Scene
 from thermo.report import (
     identifiability_table,
     require_writable,
@@ -48,7 +47,7 @@ def identify(settings: Mapping[str, Any]) -> None:
     wanted = number(settings, "wanted", above=0.0)
     model_error = number(settings, "model_error", above=0.0)
     refits, of_fields = _wanted(settings)
-    scene = read_scene(Path(settings["data"]))
+    scene, _ = scene_of(settings, drop=fitted is not None and fitted.dropped)
     every = asked["unknown"] or scene.unknown
     _check_unknown(every)
     if estimate is not None:

@@ -21,6 +21,7 @@ from thermo.app._configuration import (
     size,
     stages,
 )
+from thermo.app._scene import scene_of
 from thermo.observe import read_scene
 from thermo.report import (
     Progress,
@@ -55,7 +56,7 @@ def invert(settings: Configuration) -> None:
         "seed": number(settings, "seed", whole=True),
         "model_error": number(settings, "model_error", above=0.0),
     }
-    scene = read_scene(Path(settings["data"]))
+    scene, dropped = scene_of(settings)
     require_writable(out)
     checkpoint = out / "checkpoint.npz"
     begun = f"going on from {checkpoint}" if checkpoint.exists() else f"fitting {scene.object}"
@@ -67,7 +68,7 @@ def invert(settings: Configuration) -> None:
             on_step=lambda step, most, loss: progress.update(step, loss, most),
             **arguments,
         )
-    record = write_inversion(out, estimate, settings)
+    record = write_inversion(out, estimate, settings, dropped)
     checkpoint.unlink(missing_ok=True)
     print(inversion_table(record))
     ended = _ending(estimate, arguments["optimiser"])

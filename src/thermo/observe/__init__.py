@@ -21,6 +21,7 @@ from ._recording_write import write_recording
 from ._scene import QUANTITIES, Run, Scene, StatedMaterial
 from ._scene_read import FORMAT, read_scene
 from ._scene_write import write_scene
+from ._spikes import without_spikes
 from ._view import seen_from
 
 __all__ = [
@@ -45,6 +46,7 @@ __all__ = [
     "read_scene",
     "seen_from",
     "with_camera_noise",
+    "without_spikes",
     "write_recording",
     "write_scene",
 ]

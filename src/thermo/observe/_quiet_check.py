@@ -48,7 +48,9 @@ class QuietCheck:
                 f"Whole frames are off by {self.frame_offset:.2g} K, which fits do not allow for."
             )
         if self.far > 1e-3:
-            found.append(f"{100 * self.far:.2g} % of the readings lie far out, which no fit drops.")
+            found.append(
+                f"{100 * self.far:.2g} % of the readings lie far out: drop_spikes=true drops such."
+            )
         return " ".join(found) or "The quiet frames are as the noise model has them."
 
 

@@ -21,7 +21,9 @@ from ._versions import versions
 from ._vtk import write_vtu
 
 
-def inversion_record(estimate: Estimate, configuration: Mapping[str, Any]) -> dict[str, Any]:
+def inversion_record(
+    estimate: Estimate, configuration: Mapping[str, Any], dropped: Mapping[str, int]
+) -> dict[str, Any]:
     """Every number of a fit as plain data: fields [SI], misfits [K], seconds [s]."""
     return {
         "format": "thermofield-result/1",
@@ -36,6 +38,7 @@ def inversion_record(estimate: Estimate, configuration: Mapping[str, Any]) -> di
             "rmse_unit": "K",
             "smoothness": estimate.smoothness,
             "frames": {name: len(run.time) for name, run in estimate.runs.items()},
+            "dropped": {name: dropped.get(name, 0) for name in estimate.runs},
             "loss": estimate.history,
             "iterations": [len(stage) for stage in estimate.history],
         },
@@ -86,9 +89,11 @@ def rms_of(simulated: np.ndarray, measured: np.ndarray) -> np.ndarray:
 
 
 def write_inversion(
-    folder: Path, estimate: Estimate, configuration: Mapping[str, Any]
+    folder: Path, estimate: Estimate, configuration: Mapping[str, Any], dropped: Mapping[str, int]
 ) -> dict[str, Any]:
     """Write a fit to a folder, `result.json` last, and return that record.
+
+    `dropped`: how many readings of each run were left out as spikes [1].
 
     Leaves `field.npz` (surface vertices [m] and each field there), `estimate.npz` (what
     `thermo predict` reads), `field.vtu`, figures, and `result.json`.
@@ -107,7 +112,7 @@ def write_inversion(
         cells[name] = on_cells
     write_vtu(folder / "field.vtu", mesh.nodes, mesh.cells, cell_data=cells)
     _figures(folder, estimate)
-    record = inversion_record(estimate, configuration)
+    record = inversion_record(estimate, configuration, dropped)
     write_json(folder / "result.json", record)
     return record
 

@@ -1,0 +1,79 @@
+"""Spikes that were put in are found, and nothing else: noise, bends and the lamp stay."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from box_scene import write_block
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from thermo.observe import Heater, Recording, Run, Scene, read_scene, without_spikes
+from thermo.observe._spikes import spikes
+
+FRAMES, SAMPLES, WHITE = 150, 60, 0.05
+LAMP = Heater(np.zeros(3), np.array([0.0, 0.0, -1.0]), 0.01, 1.0, 14.0)
+
+
+def run(seed: int, white: float) -> tuple[Run, np.ndarray]:
+    """Heating as the square root of time until 14 s, then cooling; and the noise-free course."""
+    random = np.random.default_rng(seed)
+    time = 0.2 * np.arange(FRAMES)
+    rise = np.sqrt(time) - np.where(time > 14.0, np.sqrt(np.maximum(time - 14.0, 0.0)), 0.0)
+    clean = 295.0 + rise[:, None] * random.uniform(0.0, 8.0, SAMPLES)
+    data = clean + white * random.standard_normal(clean.shape)
+    record = Recording(np.zeros((SAMPLES, 3)), time, data)
+    return Run("lamp", record, 295.0, 295.0, 295.0, heater=LAMP), clean
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 2**31), size=st.sampled_from([-2.0, 1.2, 30.0]))
+def test_spikes_are_found_and_nothing_else_is(seed: int, size: float) -> None:
+    plain, _ = run(seed, WHITE)
+    assert spikes(plain).sum() <= 1
+    random = np.random.default_rng(seed + 1)
+    put = random.random((FRAMES, SAMPLES)) < 0.005
+    # Near a jump of the sources the course bends, and at the end few readings follow.
+    put[:20], put[60:90], put[-8:] = False, False, False
+    record = plain.recording
+    data = record.temperature + size * put
+    found = spikes(replace(plain, recording=Recording(record.points, record.time, data)))
+    assert np.mean(found[put]) > 0.97 and (found & ~put).sum() <= 2
+
+
+@pytest.mark.parametrize("white", [0.0, 1e-4])
+def test_a_course_without_noise_bends_and_stays(white: float) -> None:
+    assert spikes(run(0, white)[0]).sum() == 0
+
+
+def test_missing_readings_and_few_frames_are_no_spikes() -> None:
+    plain, _ = run(3, WHITE)
+    record = plain.recording
+    gaps = np.random.default_rng(0).random(record.valid.shape) > 0.4
+    assert spikes(replace(plain, recording=replace(record, valid=gaps))).sum() <= 1
+    short = Recording(record.points, record.time[:4], record.temperature[:4])
+    assert spikes(replace(plain, recording=short)).sum() == 0
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory: pytest.TempPathFactory) -> Scene:
+    folder: Path = write_block(tmp_path_factory.mktemp("spiky"))
+    return read_scene(folder)
+
+
+def test_of_a_scene_only_spikes_are_dropped(scene: Scene) -> None:
+    whole, counts = without_spikes(scene)
+    assert set(counts) == set(scene.runs) and sum(counts.values()) <= 1
+    old = scene.runs["cooling"].recording
+    data = old.temperature.copy()
+    data[14, 5] += 5.0
+    spiky = Recording(old.points, old.time, data, old.valid, old.quiet)
+    changed = {**scene.runs, "cooling": replace(scene.runs["cooling"], recording=spiky)}
+    cleaned, counts = without_spikes(replace(scene, runs=changed))
+    record = cleaned.runs["cooling"].recording
+    assert counts["cooling"] == 1 and not record.valid[14, 5]
+    assert record.valid.sum() == whole.runs["cooling"].recording.valid.sum() - 1
+    assert cleaned.runs["lamp"].heater is scene.runs["lamp"].heater
