@@ -77,3 +77,9 @@ def test_of_a_scene_only_spikes_are_dropped(scene: Scene) -> None:
     assert counts["cooling"] == 1 and not record.valid[14, 5]
     assert record.valid.sum() == whole.runs["cooling"].recording.valid.sum() - 1
     assert cleaned.runs["lamp"].heater is scene.runs["lamp"].heater
+
+
+def test_of_a_camera_nothing_is_dropped() -> None:
+    bracket = Path(__file__).parents[2] / "examples" / "bracket"
+    _, counts = without_spikes(read_scene(bracket))
+    assert set(counts.values()) == {0}

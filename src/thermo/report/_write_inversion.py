@@ -22,7 +22,7 @@ from ._vtk import write_vtu
 
 
 def inversion_record(
-    estimate: Estimate, configuration: Mapping[str, Any], dropped: Mapping[str, int]
+    estimate: Estimate, configuration: Mapping[str, Any], dropped: Mapping[str, int] | None = None
 ) -> dict[str, Any]:
     """Every number of a fit as plain data: fields [SI], misfits [K], seconds [s]."""
     return {
@@ -38,7 +38,7 @@ def inversion_record(
             "rmse_unit": "K",
             "smoothness": estimate.smoothness,
             "frames": {name: len(run.time) for name, run in estimate.runs.items()},
-            "dropped": {name: dropped.get(name, 0) for name in estimate.runs},
+            "dropped": {name: (dropped or {}).get(name, 0) for name in estimate.runs},
             "loss": estimate.history,
             "iterations": [len(stage) for stage in estimate.history],
         },
@@ -89,7 +89,10 @@ def rms_of(simulated: np.ndarray, measured: np.ndarray) -> np.ndarray:
 
 
 def write_inversion(
-    folder: Path, estimate: Estimate, configuration: Mapping[str, Any], dropped: Mapping[str, int]
+    folder: Path,
+    estimate: Estimate,
+    configuration: Mapping[str, Any],
+    dropped: Mapping[str, int] | None = None,
 ) -> dict[str, Any]:
     """Write a fit to a folder, `result.json` last, and return that record.
 
