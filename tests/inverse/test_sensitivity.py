@@ -90,7 +90,7 @@ def test_patches_share_the_slope_of_the_whole(block: Path, meshing: Meshing) -> 
 def test_a_network_is_refused_before_any_work(
     block: Path, meshing: Meshing, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(module, "jacobian", None)
+    monkeypatch.setattr(module, "scaled_slopes", None)
     with pytest.raises(InputError, match="other unknowns than the values"):
         sensitivity(block, runs=("cooling",), initial={"conductivity": VALUE}, meshing=meshing,
                     choice=Network(count=3, width=4, depth=1))  # fmt: skip

@@ -10,10 +10,12 @@ from typing import Final, final
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
 from thermo.inverse._case import Case
-from thermo.inverse._objective import Objective, case_temperatures
+from thermo.inverse._objective import Objective, Parameters, data_residual, start
+from thermo.physics import ForwardOnly
 
 
 @final
@@ -31,24 +33,43 @@ SCALES: Final[Mapping[str, Scale]] = MappingProxyType(
 lamps, and on what the camera reads above the temperature that the body reflects."""
 
 
-def _read(
-    objective: Objective, case: Case, name: str, factor: Float[Array, ""]
-) -> Float[Array, "frames samples"]:
-    if name == "heater_power":
-        under = replace(case.under, power=factor * case.under.power)
-        return case_temperatures(objective, objective.fields, replace(case, under=under))
-    reflected = case.under.surroundings
-    found = case_temperatures(objective, objective.fields, case)
-    return reflected + factor * (found - reflected)
+def _scaled(case: Case, logs: Mapping[str, Float[Array, ""]]) -> Case:
+    power = case.under.power * jnp.exp(logs.get("heater_power", jnp.zeros(())))
+    return replace(case, under=replace(case.under, power=power))
+
+
+def _seen(
+    objective: Objective, parameters: Parameters, case: Case, logs: Mapping[str, Float[Array, ""]]
+) -> Float[Array, " values"]:
+    """Residual of one run in kelvin [K], with logarithms of factors [1]."""
+    apart = data_residual(objective, parameters, _scaled(case, logs), ForwardOnly())
+    if "camera_emissivity" not in logs:
+        return apart
+    # What is read above the temperature that the body reflects, with the factor on it.
+    above = apart + ((case.data - case.under.surroundings) * case.used).ravel()
+    return apart + jnp.expm1(logs["camera_emissivity"]) * above
 
 
 @eqx.filter_jit
-def scale_slopes(objective: Objective, name: str) -> Float[Array, " values"]:
-    """Derivative of all readings by the logarithm of a factor [K], in the order of the residual."""
+def scaled_slopes(objective: Objective, names: tuple[str, ...]) -> Float[Array, "values unknowns"]:
+    """Slopes of all readings by the parameters and by logarithms of factors [K].
 
-    def slope(case: Case) -> Float[Array, "frames samples"]:
-        one = jnp.ones(())
-        _, change = jax.jvp(lambda factor: _read(objective, case, name, factor), (one,), (one,))
-        return change * case.used
+    Arguments: `objective`: its errors of 1 K each (`in_kelvin`), its fields where they stand;
+    `names`: of factors. All directions share one pass through each run.
+    """
+    flat, unravel = ravel_pytree(start(objective))
+    size = len(flat)
+    here = jnp.concatenate([flat, jnp.zeros(len(names))])
 
-    return jnp.concatenate([jax.lax.map(slope, case).ravel() for case in objective.cases])
+    def read(point: Float[Array, " unknowns"], case: Case) -> Float[Array, " values"]:
+        logs = dict(zip(names, point[size:], strict=True))
+        return _seen(objective, unravel(point[:size]), case, logs)
+
+    def slopes(case: Case) -> Float[Array, "values unknowns"]:
+        def along(way: Float[Array, " unknowns"]) -> Float[Array, " values"]:
+            return jax.jvp(lambda point: read(point, case), (here,), (way,))[1]
+
+        return jax.vmap(along, out_axes=1)(jnp.eye(len(here)))
+
+    parts = [jax.lax.map(slopes, case) for case in objective.cases]
+    return jnp.concatenate([part.reshape(-1, len(here)) for part in parts])

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import final
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -22,12 +21,11 @@ from thermo.inverse._first_order import Adam
 from thermo.inverse._objective import (
     Objective,
     Parameters,
-    jacobian,
     run_parts,
     start,
     with_fields,
 )
-from thermo.inverse._scale import SCALES, scale_slopes
+from thermo.inverse._scale import SCALES, scaled_slopes
 from thermo.inverse._stages import make_objective
 from thermo.inverse._stepping import Stepping
 from thermo.inverse._task import Prior, Task, prepare, what_is_asked
@@ -88,11 +86,9 @@ def sensitivity(
     here = start(objective)
     # Asked first: the Jacobian by the many weights of a network would take for ever.
     change = logarithm_slopes(objective, here, type(task.choice).__name__)
-    _, matrix = eqx.filter_jit(jacobian)(objective, here)
-    count = sum(case.data.size for case in objective.cases)
-    columns = [np.asarray(matrix)[:count] @ np.linalg.inv(change)]
-    columns += [np.asarray(scale_slopes(objective, name))[:, None] for name in scales]
-    return _by_run(objective, np.concatenate(columns, 1), task, scales)
+    matrix = np.array(scaled_slopes(objective, scales))
+    matrix[:, : len(change)] = matrix[:, : len(change)] @ np.linalg.inv(change)
+    return _by_run(objective, matrix, task, scales)
 
 
 def _check_scales(scales: tuple[str, ...]) -> None:
