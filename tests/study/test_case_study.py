@@ -31,7 +31,8 @@ def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def preset(tmp_path_factory: pytest.TempPathFactory) -> Preset:
-    meshing = Meshing(order=1, max_nodes=1500, cache=tmp_path_factory.mktemp("meshes"))
+    cache = tmp_path_factory.mktemp("meshes")
+    meshing = Meshing(order=1, max_nodes=1500, corrected=False, cache=cache)
     return Preset(
         Uniform(), LevenbergMarquardt(), stepping=Stepping(tolerance=0.05), meshing=meshing
     )
