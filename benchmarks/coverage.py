@@ -6,15 +6,15 @@ SCENES holds scenes that another program simulated without noise. On each, cooli
 looked at together for a few values of the body, on a mesh of our own: by a camera (every sample and
 frame of the scene, 720 000 readings) and by loggers (16 samples, one frame a second). What is left
 wrong by cells and steps, and by those of the program that made the data, does not fall with the
-number of readings; the noise does. A draw is noise of 0.05 K
-whose frames are correlated by 0.3, a fixed pattern of 0.03 K and 25 quiet frames from which all of
-that is learnt. The fit is linear around the truth, as its deviations of below a per cent allow.
+number of readings; the noise does. A draw is noise of 0.05 K whose frames are correlated by 0.3, a
+fixed pattern of 0.03 K and 25 quiet frames from which all of that is learnt. The fit is linear
+around the truth, as its deviations of about a per cent and less allow.
 `coverage` is of the interval from the curvature of what `log_model` makes, `scatter` the standard
 deviation of the fits over the one that it foretells, `bias` their mean error over it; `identify` is
 that of the interval that `thermo identify` gives after a fit of one value each, which allows for
 the third of what cells and steps make wrong that the fit may have left. The columns of `plain` are
-without what `mesh.corrected` does. A
-coverage of 200 draws is known to 1.5 %. Leaves benchmarks/results/coverage.csv.
+without what `mesh.corrected` does. A coverage of 200 draws is known to 1.5 %. Leaves
+benchmarks/results/coverage.csv.
 """
 
 from __future__ import annotations
@@ -33,9 +33,8 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from thermo.identify import identifiability
-from thermo.inverse import Meshing, Sensitivity, Stepping, log_model
+from thermo.inverse import DEFECT_LEFT, NORMAL, Meshing, Sensitivity, Stepping, log_model
 from thermo.inverse._case import Case, constant_error, in_kelvin, make_case
-from thermo.inverse._defect import DEFECT_LEFT
 from thermo.inverse._objective import Objective, case_temperatures, jacobian, start
 from thermo.inverse._reading_errors import whiten, without
 from thermo.inverse._sensitivity import logarithm_slopes
@@ -50,7 +49,6 @@ READINGS: dict[str, tuple[int | None, int]] = {"camera": (None, 1), "loggers": (
 UNKNOWN = ("conductivity", "volumetric_heat_capacity", "convection")
 WHITE, PATTERN, CORRELATION, QUIET = 0.05, 0.03, 0.3, 25
 MODEL_ERROR = 0.01
-NORMAL = 1.96
 COLUMNS = (
     "readings", "scene", "unknown", "draws", "sd", "coverage", "scatter", "bias", "plain coverage",
     "plain bias", "identify",

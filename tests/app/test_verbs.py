@@ -66,6 +66,8 @@ def test_invert_leaves_the_result_of_the_contract(fit: Path) -> None:
     assert all(0.01 < value < 0.03 for value in found["fit"]["deviation"].values())
     assert found["fit"]["smoothness"] == {}
     assert set(found["fit"]["final_mae"]) == {"lamp", "cooling"}
+    # Adam makes its steps and ends: nothing is taken off.
+    assert found["fit"]["defect"] == {"lamp": 0.0, "cooling": 0.0}
     assert found["mesh"]["order"] == 1 and found["verb"] == "invert"
     assert len(found["fit"]["loss"][0]) == 3
     assert found["configuration"]["optimiser"]["kind"] == "adam"

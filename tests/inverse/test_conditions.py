@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from thermo.errors import InputError
-from thermo.inverse._conditions import conditions, make_model, switches
+from thermo.inverse._conditions import conditions, make_model
 from thermo.inverse._properties import Stated, properties
 from thermo.observe import Heater, Prescribed, Run, Scene
 from thermo.physics import discretise
@@ -33,7 +33,7 @@ def test_temperatures_power_and_switches_are_the_runs(scene: Scene) -> None:
     under = conditions(lamp, SPACE)
     assert (under.initial, under.ambient, under.surroundings, under.power) == (295, 295, 295, 1.2)
     assert np.all(np.asarray(under.start(4)) == 295)
-    assert (switches(lamp), switches(cooling)) == ((18.0,), ())
+    assert (lamp.switches(), cooling.switches()) == ((18.0,), ())
     assert float(conditions(cooling, SPACE).power) == 0 and under.prescribed is None
     total = (np.asarray(under.profile) * np.asarray(SPACE.face_weight)).sum()
     assert total == pytest.approx(1.0, rel=1e-9), "the lamp delivers the power that is stated"

@@ -56,7 +56,8 @@ class Analysis:
     def leave(self, out: Path, more: Refits, left: FieldsLeft) -> dict[str, Any]:
         """Write what is known so far; returns the record."""
         at, asked = unknowns_of(self.whole, self.doubt), {"prior": self.prior}
-        at = self._allowing(at, more.defect)
+        corrected = self.fitted is not None and self.fitted.corrected
+        at = allowing(at, more.defect, corrected=corrected)
         moved = shifts(self.whole, self.doubt, model_error=self.model_error, **asked)
         found = identifiability(at, model_error=self.model_error, wanted=self.wanted, **asked)
         chosen = next_runs(
@@ -87,16 +88,20 @@ class Analysis:
         write_identifiability(out, record, title)
         return record
 
-    def _allowing(
-        self, at: inverse.Sensitivity, defect: Mapping[str, np.ndarray]
-    ) -> inverse.Sensitivity:
-        """Slopes beside what the fit's cells and steps still make wrong, by run [K]."""
-        left = DEFECT_LEFT if self.fitted is not None and self.fitted.corrected else 1.0
-        cut = {
-            name: left * apart[tuple(slice(length) for length in at.slopes[name].shape[:2])]
-            for name, apart in defect.items()
-        }
-        return replace(at, defect=cut)
+
+def allowing(
+    at: inverse.Sensitivity, defect: Mapping[str, np.ndarray], *, corrected: bool
+) -> inverse.Sensitivity:
+    """Slopes beside what the fit's cells and steps still make wrong, by run [K].
+
+    A `corrected` fit has taken off all but `DEFECT_LEFT` of it, any other nothing.
+    """
+    left = DEFECT_LEFT if corrected else 1.0
+    cut = {
+        name: left * apart[tuple(slice(length) for length in at.slopes[name].shape[:2])]
+        for name, apart in defect.items()
+    }
+    return replace(at, defect=cut)
 
 
 def _size(apart: np.ndarray) -> float:

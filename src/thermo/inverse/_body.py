@@ -10,7 +10,7 @@ import numpy as np
 
 from thermo.errors import InputError
 from thermo.fields import QUANTITIES
-from thermo.inverse._conditions import conditions, make_model, switches
+from thermo.inverse._conditions import conditions, make_model
 from thermo.inverse._properties import Stated, properties
 from thermo.inverse._side_by_side import solve_each
 from thermo.mesh import (
@@ -41,8 +41,9 @@ class Meshing:
     - `coarse_tangents`: take the dense Jacobian of Levenberg-Marquardt from linear cells and half
       as many steps. It is cheaper and steers a fit whose residual stays that of `order`; None
       takes it above eight unknowns.
-    - `corrected`: measure on a mesh twice as fine what cells and steps make wrong where one value
-      has been fitted, and take it off before the data choose how smooth a field is.
+    - `corrected`: measure on a mesh twice as fine what cells and steps make wrong where a fit
+      stands, take it off and go on; where the data choose how smooth a field is, before they do.
+      Not with optimisers of fixed length.
     - `cells_per_depth`: cells over the depth that heat reaches [1].
     - `cache`: folder of meshes, None for the user's cache.
     """
@@ -157,7 +158,7 @@ def scan_conductivity(scene: Scene, surface: Surface, runs: list[Run], meshing: 
         frames = run.recording.time[:: max(len(run.recording.time) // 20, 1)]
         where = f"runs.{run.name}.recording"
         readout, _ = bind(run.recording, space.mesh, where=where)
-        grid = uniform_steps(frames, float(frames[-1]) / 40, switches(run))
+        grid = uniform_steps(frames, float(frames[-1]) / 40, run.switches())
         under = conditions(run, space)
         picked = np.searchsorted(run.recording.time, frames - 1e-9)
         data, valid = run.recording.temperature[picked], run.recording.valid[picked]

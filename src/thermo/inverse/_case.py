@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from thermo.inverse._conditions import Conditions, conditions, switches
+from thermo.inverse._conditions import Conditions, conditions
 from thermo.inverse._reading_errors import ReadingErrors
 from thermo.observe import Noise, Run, bind, estimate_noise
 from thermo.physics import Discretisation, ReadOut, TimeGrid, between_steps
@@ -107,7 +107,7 @@ def make_case(
         return Case(under, grid, readout, *read, *none)
     ends = np.asarray(steps.frame_time)
     wanted = np.asarray(grid.frame_time)
-    between = jnp.asarray(between_steps(ends, np.eye(len(ends)), wanted, switches(run)))
+    between = jnp.asarray(between_steps(ends, np.eye(len(ends)), wanted, run.switches()))
     return Case(under, steps, readout, *read, *none, between)
 
 

@@ -47,13 +47,6 @@ class Conditions(eqx.Module):
         return jnp.full(count, self.initial)
 
 
-def switches(run: Run) -> tuple[float, ...]:
-    """Times [s] at which a run's sources jump."""
-    if run.heater is None:
-        return ()
-    return (float(run.heater.until),)
-
-
 def _prescribe(run: Run, space: Discretisation) -> PrescribedTemperature | None:
     if not run.prescribed:
         return None

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from thermo.inverse._body import of_order
-from thermo.inverse._conditions import conditions, make_model, switches
+from thermo.inverse._conditions import conditions, make_model
 from thermo.inverse._properties import Properties
 from thermo.inverse._side_by_side import solve_each
 from thermo.inverse._stepping import free_grid
@@ -152,7 +152,7 @@ def _each(
     models = [make_model(space, bodies[name], under) for name in different]
     ends = np.asarray(grid.frame_time)
     found = {
-        name: between_steps(ends, values, run.recording.time, switches(run))
+        name: between_steps(ends, values, run.recording.time, run.switches())
         for name, values in zip(different, solve_each(models, under, grid, readout), strict=True)
     }
     return {name: found[other] for name, other in like.items()}

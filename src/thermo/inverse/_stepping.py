@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from thermo.inverse._conditions import conditions, make_model, switches
+from thermo.inverse._conditions import conditions, make_model
 from thermo.inverse._properties import Properties, Stated, properties
 from thermo.mesh import Mesh
 from thermo.observe import Run
@@ -49,7 +49,7 @@ def fit_frames(run: Run, stepping: Stepping) -> TimeGrid:
     """
     time = run.recording.time
     if isinstance(stepping.integrator, BackwardEuler):
-        return uniform_steps(time, stepping.size, switches(run))
+        return uniform_steps(time, stepping.size, run.switches())
     count = min(stepping.most_frames, len(time))
     picked = np.unique(np.linspace(0, len(time) - 1, count).round().astype(int))
     return uniform_steps(time[picked], float(time[-1]))
@@ -71,7 +71,7 @@ def free_grid(
         end,
         tolerance=tolerance,
         largest=float(end[0]) / least_steps,
-        switches=switches(run),
+        switches=run.switches(),
     )
     return every_step(grid)
 

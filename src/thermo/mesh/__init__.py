@@ -5,7 +5,7 @@ from ._box import box_mesh
 from ._build import mesh_from_cells
 from ._check_surface import check_surface
 from ._cylinder import cylinder_mesh
-from ._geometry import cell_quality, cell_volumes, face_areas
+from ._geometry import cell_quality, cell_volumes, face_areas, triangle_normals
 from ._locate import SurfacePoints, locate
 from ._mesh import Mesh
 from ._node_count import expected_nodes
@@ -45,4 +45,5 @@ __all__ = [
     "resolution",
     "sizing_from_physics",
     "tetrahedralise",
+    "triangle_normals",
 ]

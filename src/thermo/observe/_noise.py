@@ -11,9 +11,10 @@ from jaxtyping import Float, Int
 
 from ._recording import Recording
 
-# Records are stored in single precision, whose spacing near 300 K this is [K]. It also keeps the
-# weights of noise-free data finite.
-_FLOOR: Final = 3e-5
+FLOOR: Final = 3e-5
+"""Records are stored in single precision, whose spacing near 300 K this is [K]. It also keeps the
+weights of noise-free data finite."""
+
 # Two readings that differ by less than this are the same number, stored in two ways [K].
 _SAME: Final = 1e-7
 # A coarser grid than this is not the rounding of a thermometer [K].
@@ -70,7 +71,7 @@ def estimate_noise(recording: Recording) -> Noise:
         white, offset, correlation = _from_quiet(quiet)
     else:
         white, offset, correlation = _from_record(recording), 0.0, 0.0
-    floor = max(_rounding(recording) / math.sqrt(12.0), _FLOOR)
+    floor = max(rounding(recording) / math.sqrt(12.0), FLOOR)
     return Noise(white=max(white, floor), offset=offset, correlation=correlation)
 
 
@@ -110,7 +111,7 @@ def _mean_square(difference: np.ndarray) -> float:
     return float(np.sum(difference[known] ** 2) / max(int(known.sum()), 1))
 
 
-def _rounding(recording: Recording) -> float:
+def rounding(recording: Recording) -> float:
     """Return the step to which the data were rounded [K], 0 where it does not show."""
     known = recording.valid[1:] & recording.valid[:-1]
     change = np.abs(np.diff(recording.temperature, axis=0))[known]

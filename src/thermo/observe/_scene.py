@@ -120,6 +120,10 @@ class Run:
                     remedy="give a longer history, or cut the recording",
                 )  # fmt: skip
 
+    def switches(self) -> tuple[float, ...]:
+        """Times after the start at which the sources jump [s]."""
+        return () if self.heater is None else (float(self.heater.until),)
+
 
 @final
 @dataclass(frozen=True, eq=False)

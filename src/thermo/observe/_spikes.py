@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.stats import norm
 
+from ._noise import FLOOR, rounding
 from ._recording import Recording
 from ._scene import Run, Scene
 
@@ -22,7 +23,11 @@ _FRESH: Final = 8
 _FALSE: Final = 0.01
 # Two spikes nearby hide each other until one is gone; rounds at the most [1].
 _ROUNDS: Final = 5
-_LEAST: Final = 3e-5
+# A thermometer that flickers between neighbours of its grid has no spike; a spike is further off
+# than this many of its steps [1].
+_STEPS: Final = 2.0
+# From the median absolute value of normal errors to their standard deviation [1].
+_NORMAL: Final = 1.4826
 
 
 def without_spikes(scene: Scene) -> tuple[Scene, dict[str, int]]:
@@ -33,22 +38,23 @@ def without_spikes(scene: Scene) -> tuple[Scene, dict[str, int]]:
     more than normal errors would once in a hundred recordings, it is dropped. Errors are scaled by
     their median absolute value, over the recording and over the frames nearby, so that a course
     that bends does not count. Eight frames after the start and after a lamp goes off are left
-    alone. No simulation is asked: what a model does not explain stays.
+    alone. Quiet frames are judged by their distance from their sample's median. No simulation is
+    asked: what a model does not explain stays.
 
     Arguments: `scene`: with its recordings [K].
 
     Source: Sen, J. Am. Stat. Assoc. 63 (1968) 1379, the lines by medians; Hampel, J. Am. Stat.
-    Assoc. 69 (1974) 383, the median absolute deviation; Davies and Gather, J. Am. Stat. Assoc. 88
-    (1993) 782, the limit by the number of readings.
+    Assoc. 69 (1974) 383, the median absolute deviation; Croux and Rousseeuw, Comput. Stat. 1 (1992)
+    411, that of few; Davies and Gather, J. Am. Stat. Assoc. 88 (1993) 782, the limit by the number
+    of readings.
     """
     runs, counts = {}, {}
     for name, run in scene.runs.items():
         record = run.recording
-        found = spikes(run)
-        counts[name] = int(found.sum())
-        kept = Recording(
-            record.points, record.time, record.temperature, record.valid & ~found, record.quiet
-        )
+        found, quiet = spikes(run), _quiet_left(record)
+        valid = record.valid & ~found
+        kept = Recording(record.points, record.time, record.temperature, valid, quiet)
+        counts[name] = int(found.sum()) + _missing(quiet) - _missing(record.quiet)
         runs[name] = replace(run, recording=kept)
     return replace(scene, runs=runs), counts
 
@@ -56,9 +62,11 @@ def without_spikes(scene: Scene) -> tuple[Scene, dict[str, int]]:
 def spikes(run: Run) -> Bool[np.ndarray, "frames samples"]:
     """Which readings stick out; as `without_spikes` says [1]."""
     record = run.recording
-    limit = float(norm.isf(_FALSE / 2 / record.valid.sum()))
-    alone = _left_alone(run)
     found = np.zeros_like(record.valid)
+    if len(record.time) <= _BESIDE:
+        return found
+    limit, least = _limit(int(record.valid.sum())), _STEPS * rounding(record)
+    alone = _left_alone(run)
     for _ in range(_ROUNDS):
         known = record.valid & ~found
         # From the left, and with time turned round from the right.
@@ -66,7 +74,7 @@ def spikes(run: Run) -> Bool[np.ndarray, "frames samples"]:
         after = _missed_by(-record.time[::-1], record.temperature[::-1], known[::-1])[::-1]
         scale = np.maximum(_scale(before), _scale(after))
         apart = np.minimum(np.abs(before), np.abs(after))
-        far = (np.sign(before) == np.sign(after)) & (apart > limit * scale)
+        far = (np.sign(before) == np.sign(after)) & (apart > np.maximum(limit * scale, least))
         fresh = far & known & ~alone[:, None]
         if not fresh.any():
             break
@@ -75,12 +83,35 @@ def spikes(run: Run) -> Bool[np.ndarray, "frames samples"]:
     return found
 
 
+def _limit(count: int) -> float:
+    """Standard deviations [1] that so many normal errors hardly ever pass."""
+    return float(norm.isf(_FALSE / 2 / count))
+
+
+def _quiet_left(record: Recording) -> Float[np.ndarray, "quiet samples"] | None:
+    """The quiet frames [K], NaN where a reading is far from its sample's median."""
+    quiet = record.quiet
+    if quiet is None or len(quiet) <= _BESIDE:
+        return quiet
+    apart = np.abs(quiet - _median(list(quiet)))
+    known = np.isfinite(apart)
+    # The median of few frames lies too near to each: Croux and Rousseeuw's factor for deviations
+    # from it, and the variance that it adds to a reading's.
+    few = len(quiet) / (len(quiet) - 0.8) * np.sqrt(1 + np.pi / 2 / len(quiet))
+    scale = max(few * _NORMAL * float(np.median(apart[known])), FLOOR) if known.any() else np.inf
+    far = apart > max(_limit(int(known.sum())) * scale, _STEPS * rounding(record))
+    return np.where(far, np.nan, quiet)
+
+
+def _missing(quiet: Float[np.ndarray, "quiet samples"] | None) -> int:
+    return 0 if quiet is None else int(np.isnan(quiet).sum())
+
+
 def _left_alone(run: Run) -> Bool[np.ndarray, " frames"]:
     """Frames at which a course may truly jump or bend sharply."""
     time = run.recording.time
-    jumps = [0.0] if run.heater is None else [0.0, float(run.heater.until)]
     alone = np.zeros(len(time), bool)
-    for jump in jumps:
+    for jump in (0.0, *run.switches()):
         first = int(np.searchsorted(time, jump))
         alone[max(first - 1, 0) : first + _FRESH] = True
     return alone
@@ -118,10 +149,10 @@ def _median(parts: list[np.ndarray]) -> np.ndarray:
 
 def _scale(error: Float[np.ndarray, "frames samples"]) -> Float[np.ndarray, "frames samples"]:
     """Standard deviation of such errors by their median size, overall and nearby [K]."""
-    size = 1.4826 * np.abs(error)
+    size = _NORMAL * np.abs(error)
     nearby = _windows(size, _AROUND, np.nan)
     filled = np.where(np.isnan(nearby).all(-1, keepdims=True), 0.0, nearby)
-    return np.maximum(np.nanmedian(filled, axis=-1), max(float(np.nanmedian(size)), _LEAST))
+    return np.maximum(np.nanmedian(filled, axis=-1), max(float(np.nanmedian(size)), FLOOR))
 
 
 def _windows(

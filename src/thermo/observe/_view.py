@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+import trimesh
 from jaxtyping import Bool, Float
 
 from thermo.errors import InputError
-from thermo.mesh import Surface
+from thermo.mesh import Surface, triangle_normals
 
 # Points tried for each one wanted; rounds after which what was found is enough; points whose
 # lines of sight are followed at once [1].
@@ -46,20 +47,19 @@ def seen_from(
     """
     random = np.random.default_rng(seed)
     corners = surface.vertices[surface.triangles]
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals, _ = triangle_normals(surface.vertices, surface.triangles)
     # Whatever hides a point turns a front towards the camera as well.
-    front = np.einsum("ij,ij->i", across, camera - corners[:, 0]) > 0
+    front = np.einsum("ij,ij->i", normals, camera - corners[:, 0]) > 0
     if not front.any():
         raise _unseen(camera, where)
-    corners, across = corners[front], across[front]
-    areas = np.linalg.norm(across, axis=1)
+    corners, normals = corners[front], normals[front]
+    near = trimesh.Trimesh(surface.vertices, surface.triangles[front], process=False)
     found = []
     for _ in range(_ROUNDS):
-        picked = random.choice(len(areas), _TRIED * count, p=areas / areas.sum())
-        points = _within(corners[picked], random)
+        points, picked = trimesh.sample.sample_surface(near, _TRIED * count, seed=random)[:2]
         away = camera - points
         length = np.linalg.norm(away, axis=1)
-        dense = np.einsum("ij,ij->i", across[picked], away) / (areas[picked] * length**3)
+        dense = np.einsum("ij,ij->i", normals[picked], away) / length**3
         kept = random.random(len(points)) < dense / dense.max()
         points = points[kept]
         found.append(points[~_hidden(points, camera, corners)])
@@ -77,17 +77,6 @@ def _unseen(camera: Float[np.ndarray, "3"], where: str) -> InputError:
         value=", ".join(f"{one:g}" for one in camera), limit="a place outside of it [m]",
         remedy="give the place in the axes of the surface, in metres",
     )  # fmt: skip
-
-
-def _within(
-    corners: Float[np.ndarray, "points 3 3"], random: np.random.Generator
-) -> Float[np.ndarray, "points 3"]:
-    """A point of each triangle, all of it alike likely [m]."""
-    one, other = random.random((2, len(corners)))
-    over = one + other > 1
-    one, other = np.where(over, 1 - one, one), np.where(over, 1 - other, other)
-    sides = corners[:, 1:] - corners[:, :1]
-    return corners[:, 0] + one[:, None] * sides[:, 0] + other[:, None] * sides[:, 1]
 
 
 def _hidden(
