@@ -19,6 +19,7 @@ ROOMS = (
     "observe",
     "inverse",
     "identify",
+    "discover",
     "report",
     "study",
     "app",
@@ -26,8 +27,8 @@ ROOMS = (
 # Modules at the top that belong to no room: what they may import is what stands left of the rank.
 TOP = {"_cache_folder": -1, "_compiled": 0, "_conflict": 0}
 TOP |= dict.fromkeys(("__init__", "__main__"), len(ROOMS))
-SILENT = ("errors", "mesh", "fields", "physics", "observe", "inverse", "identify")
-WITH_UNITS = ("mesh", "fields", "physics", "observe", "inverse", "identify")
+SILENT = ("errors", "mesh", "fields", "physics", "observe", "inverse", "identify", "discover")
+WITH_UNITS = ("mesh", "fields", "physics", "observe", "inverse", "identify", "discover")
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 

@@ -19,10 +19,12 @@ from omegaconf.errors import OmegaConfBaseException
 
 from thermo import errors
 from thermo.app import _verbs
+from thermo.app._discover import discover
 from thermo.app._identify import identify
 from thermo.app._sweep import WORDS, finished, job_folder
 
 VERBS: Mapping[str, Callable[[Mapping[str, Any]], None]] = {
+    "discover": discover,
     "ensemble": _verbs.ensemble,
     "identify": identify,
     "invert": _verbs.invert,
@@ -41,6 +43,7 @@ HELP = """thermo VERB key=value ...
   thermo simulate data=FOLDER run=a material.conductivity=0.2 out=DIR
   thermo ensemble folder=DIR
   thermo identify data=FOLDER estimate=DIR out=DIR
+  thermo discover data=FOLDER out=DIR
   thermo study paper data=SCENES size=quick out=DIR
 
 `thermo VERB --help` shows every setting; -m runs all combinations of values joined by commas.

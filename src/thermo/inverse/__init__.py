@@ -1,9 +1,21 @@
 """From recordings to fields, and from fields to predictions."""
 
+from thermo.inverse._addition import (
+    AbstractHeatAddition,
+    AbstractReadingAddition,
+    Addition,
+)
 from thermo.inverse._bands import NORMAL, Band, bands
 from thermo.inverse._body import SCANNED_CONDUCTIVITIES, Meshing
+from thermo.inverse._case import Case
 from thermo.inverse._checkpoint import Checkpoint, load_checkpoint, save_checkpoint
-from thermo.inverse._defect import DEFECT_LEFT
+from thermo.inverse._conditions import Conditions
+from thermo.inverse._defect import (
+    DEFECT_LEFT,
+    finer_mesh,
+    finer_readings,
+    with_defects,
+)
 from thermo.inverse._estimate import (
     Estimate,
     RecoveredField,
@@ -30,15 +42,25 @@ from thermo.inverse._forward import Prediction, Scores, score
 from thermo.inverse._invert import UNEXPLAINED, invert
 from thermo.inverse._least_squares import GaussNewtonKrylov, LevenbergMarquardt
 from thermo.inverse._log_model import LogModel, log_model
-from thermo.inverse._objective import Objective, residual
+from thermo.inverse._objective import (
+    Objective,
+    Parameters,
+    case_temperatures,
+    penalty,
+    residual,
+    start,
+    with_fields,
+)
 from thermo.inverse._optimiser import AbstractOptimiser
 from thermo.inverse._posterior import CONTROLS, posterior
 from thermo.inverse._predict import PREDICTION_NODES, predict, simulate
+from thermo.inverse._reading_errors import whiten
 from thermo.inverse._scale import SCALES, Scale
-from thermo.inverse._sensitivity import Sensitivity, sensitivity
+from thermo.inverse._sensitivity import Sensitivity, sensitivity, unfitted
 from thermo.inverse._smoothing import ALL_BUT_UNIFORM
+from thermo.inverse._stages import coarse_tangents, make_objective
 from thermo.inverse._stepping import Stepping
-from thermo.inverse._task import Prior
+from thermo.inverse._task import Prior, Ready, Task, lay_out, prepare
 
 __all__ = [
     "ALL_BUT_UNIFORM",
@@ -50,11 +72,16 @@ __all__ = [
     "SCANNED_CONDUCTIVITIES",
     "UNEXPLAINED",
     "AbstractFieldChoice",
+    "AbstractHeatAddition",
     "AbstractOptimiser",
+    "AbstractReadingAddition",
     "AbstractStagedChoice",
     "Adam",
+    "Addition",
     "Band",
+    "Case",
     "Checkpoint",
+    "Conditions",
     "Estimate",
     "FieldPosterior",
     "FieldScores",
@@ -66,9 +93,11 @@ __all__ = [
     "Network",
     "Objective",
     "OnControlPoints",
+    "Parameters",
     "Patchwise",
     "Prediction",
     "Prior",
+    "Ready",
     "RecoveredField",
     "RunFit",
     "Scale",
@@ -76,23 +105,37 @@ __all__ = [
     "Sensitivity",
     "Smoothness",
     "Stepping",
+    "Task",
     "TwoMaterials",
     "Uniform",
     "bands",
+    "case_temperatures",
+    "coarse_tangents",
     "field_scores",
+    "finer_mesh",
+    "finer_readings",
     "invert",
+    "lay_out",
     "load_checkpoint",
     "load_estimate",
     "log_model",
+    "make_objective",
+    "penalty",
     "posterior",
     "predict",
+    "prepare",
     "residual",
     "save_checkpoint",
     "save_estimate",
     "score",
     "sensitivity",
     "simulate",
+    "start",
     "summary",
     "surface_values",
+    "unfitted",
     "weighted_quantile",
+    "whiten",
+    "with_defects",
+    "with_fields",
 ]

@@ -23,7 +23,8 @@ class Case(eqx.Module):
     """One run, or several of the same shape stacked along a leading axis.
 
     - `grid`: steps and frames [s]; `readout`: where the samples are.
-    - `data`: (frames, samples) [K]; `used`: 1 where there is a valid value, else 0 [1].
+    - `time`: (frames,) [s]; `data`: (frames, samples) [K].
+    - `used`: 1 where there is a valid value, else 0 [1].
     - `errors`: of the readings; `trust`: what whitened residuals are multiplied by [1].
     - `defect`: what is added to the simulation for its cells and steps, (frames, samples) [K].
     - `shared`: what they may still make wrong in all readings at once, whitened, (frames, samples)
@@ -35,6 +36,7 @@ class Case(eqx.Module):
     under: Conditions
     grid: TimeGrid
     readout: ReadOut
+    time: Float[Array, "*runs frames"]
     data: Float[Array, "*runs frames samples"]
     used: Float[Array, "*runs frames samples"]
     errors: ReadingErrors
@@ -100,7 +102,8 @@ def make_case(
         staying=jnp.asarray(staying),
     )
     used = jnp.asarray(recording.valid[frames], float)
-    read = (data, used, errors, jnp.asarray(1.0, float))
+    time = jnp.asarray(grid.frame_time, float)
+    read = (time, data, used, errors, jnp.asarray(1.0, float))
     none = (jnp.zeros(data.shape), jnp.zeros(data.shape))
     under = conditions(run, space)
     if steps is None:
@@ -154,7 +157,8 @@ def _pad_case(case: Case, steps: int, ends: int, frames: int, samples: int) -> C
     between = case.between
     if between is not None:
         between = jnp.asarray(_pad(_pad(between, frames, 0, edge=False), ends, 1, edge=False))
-    read = (jnp.asarray(data), used, errors, case.trust, defect, shared)
+    time = jnp.asarray(_pad(case.time, frames, 0, edge=True))
+    read = (time, jnp.asarray(data), used, errors, case.trust, defect, shared)
     return Case(case.under, grid, readout, *read, between)
 
 

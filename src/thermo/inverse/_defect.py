@@ -12,14 +12,23 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from thermo.inverse._addition import Addition
 from thermo.inverse._body import make_mesh, surface_of
 from thermo.inverse._estimate import recovered
 from thermo.inverse._forward import forward
-from thermo.inverse._objective import Objective, case_temperatures, run_parts
+from thermo.inverse._objective import (
+    Objective,
+    Parameters,
+    case_temperatures,
+    run_parts,
+    start,
+    with_fields,
+)
 from thermo.inverse._properties import properties
 from thermo.inverse._reading_errors import whiten
 from thermo.inverse._task import Ready, Task
 from thermo.inverse._transfer import carry_over
+from thermo.mesh import Mesh
 
 FINER: Final = 2.0
 """Edges and surface tolerance of the fit's mesh over those of the finer one [1]."""
@@ -47,24 +56,47 @@ def defects(
     Source: Stetter, Numerische Mathematik 29 (1978) 425, the defect correction; Kaipio and
     Somersalo, J. Comput. Appl. Math. 198 (2007) 493, the mean of the approximation error.
     """
+    there = finer_readings(task, ready, before, start(before), finer_mesh(task, ready))
+    return [
+        jnp.asarray(np.where(np.isnan(finer), 0.0, finer - mine))
+        for finer, mine in zip(there, _temperatures(before), strict=True)
+    ]
+
+
+def finer_mesh(task: Task, ready: Ready) -> Mesh:
+    """The mesh [m] that a fit's own is measured against."""
     diffusivity = ready.stated.of("diffusivity")
-    mesh = make_mesh(task.scene, surface_of(task.scene), diffusivity, task.meshing, finer=FINER)
+    return make_mesh(task.scene, surface_of(task.scene), diffusivity, task.meshing, finer=FINER)
+
+
+def finer_readings(
+    task: Task,
+    ready: Ready,
+    like: Objective,
+    parameters: Parameters,
+    mesh: Mesh,
+    additions: tuple[Addition, ...] = (),
+) -> list[Float[np.ndarray, "runs frames samples"]]:
+    """What finer runs read [K], laid out as the cases of `like`; NaN where a run has nothing.
+
+    Arguments: `parameters`: of its fields [1]; `mesh`: the finer one [m]; `additions` as for
+    `forward`.
+    """
     sizes = (len(mesh.cells), len(mesh.faces))
-    values = carry_over(recovered(before.fields), ready.mesh, mesh)
+    values = carry_over(recovered(with_fields(like, parameters)), ready.mesh, mesh)
     bodies = {"here": properties(ready.stated, values, *sizes)}
     tolerance = SHORTER * task.stepping.tolerance
-    numbers, found = iter(before.sequence), []
-    for coarse in _temperatures(before):
-        apart = np.zeros(coarse.shape)
-        for row, mine in zip(apart, np.asarray(coarse), strict=True):
-            run = task.runs[next(numbers)]
+    order, found = iter(like.sequence), []
+    for case in like.cases:
+        rows = np.full(case.data.shape, np.nan)
+        for row in rows:
+            run = task.runs[next(order)]
             where = f"{task.scene.folder}: runs.{run.name}.recording"
-            finer = forward(mesh, task.meshing.order, run, bodies, tolerance, where)
+            finer = forward(mesh, task.meshing.order, run, bodies, tolerance, where, additions)
             wanted = np.asarray(ready.grids[run.name].frame_time)
             read = finer.temperature[np.searchsorted(finer.time, wanted - 1e-9)]
-            here = tuple(slice(length) for length in read.shape)
-            row[here] = read - mine[here]
-        found.append(jnp.asarray(apart))
+            row[tuple(slice(length) for length in read.shape)] = read
+        found.append(rows)
     return found
 
 

@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from thermo.inverse._addition import Addition, extend, read_as
 from thermo.inverse._body import of_order
 from thermo.inverse._conditions import conditions, make_model
 from thermo.inverse._properties import Properties
@@ -84,7 +85,13 @@ def _with_corners(readout: ReadOut, space: Discretisation, mesh: Mesh) -> ReadOu
 
 
 def forward(
-    mesh: Mesh, order: int, run: Run, bodies: dict[str, Properties], tolerance: float, where: str
+    mesh: Mesh,
+    order: int,
+    run: Run,
+    bodies: dict[str, Properties],
+    tolerance: float,
+    where: str,
+    additions: tuple[Addition, ...] = (),
 ) -> Prediction:
     """Simulate a run with each of `bodies`; the first one's temperatures [K] are kept.
 
@@ -93,12 +100,14 @@ def forward(
     - `mesh`: linear mesh [m]; `order` of the cells to simulate with [1].
     - `bodies`: properties by name, on the linear mesh's cells and faces [SI].
     - `tolerance`: error of a step [K]; `where`: the recording's name in messages.
+    - `additions`: effects beside the stated ones.
 
     Raises `InputError` where samples lie away from the surface.
     """
     space = discretise(of_order(mesh, order))
     readout, _ = bind(run.recording, space.mesh, where=where)
-    results = _each(space, mesh, run, bodies, tolerance, _with_corners(readout, space, mesh))
+    wide = _with_corners(readout, space, mesh)
+    results = _each(space, mesh, run, bodies, tolerance, wide, additions)
     recording = run.recording
     measured = np.where(recording.valid, recording.temperature, np.nan)
     samples = len(recording.points)
@@ -139,6 +148,7 @@ def _each(
     bodies: dict[str, Properties],
     tolerance: float,
     readout: ReadOut,
+    additions: tuple[Addition, ...] = (),
 ) -> dict[str, Float[np.ndarray, "frames read"]]:
     first = next(iter(bodies.values()))
     grid = free_grid(mesh, first, run, tolerance=tolerance)
@@ -149,10 +159,13 @@ def _each(
         for name, body in bodies.items()
     }
     different = list(dict.fromkeys(like.values()))
-    models = [make_model(space, bodies[name], under) for name in different]
-    ends = np.asarray(grid.frame_time)
-    found = {
-        name: between_steps(ends, values, run.recording.time, run.switches())
-        for name, values in zip(different, solve_each(models, under, grid, readout), strict=True)
-    }
+    models = [
+        extend(make_model(space, bodies[name], under), under, additions) for name in different
+    ]
+    ends, time = np.asarray(grid.frame_time), run.recording.time
+    pinned = jnp.asarray(float(run.recording.quiet is not None))
+    found = {}
+    for name, values in zip(different, solve_each(models, under, grid, readout), strict=True):
+        at = jnp.asarray(between_steps(ends, values, time, run.switches()))
+        found[name] = np.asarray(read_as(at, jnp.asarray(time), under, pinned, additions))
     return {name: found[other] for name, other in like.items()}

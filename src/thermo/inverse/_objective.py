@@ -13,6 +13,7 @@ from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float, Int, PyTree
 
 from thermo.fields import AbstractField
+from thermo.inverse._addition import Addition, extend, read_as
 from thermo.inverse._case import Case
 from thermo.inverse._conditions import make_model
 from thermo.inverse._properties import Stated, properties
@@ -27,6 +28,7 @@ from thermo.physics import (
 from thermo.physics.integrators import AbstractIntegrator
 
 Parameters = dict[str, PyTree[Float[Array, "..."]]]
+"""Parameters of fields, by quantity name [1]."""
 
 
 PAIRS = 64
@@ -128,12 +130,14 @@ def case_temperatures(
     fields: dict[str, AbstractField],
     case: Case,
     adjoint: AbstractAdjoint | None = None,
+    additions: tuple[Addition, ...] = (),
 ) -> Float[Array, "frames samples"]:
-    """Simulated temperatures [K] of one run at its samples and frames, its defect added."""
+    """Simulated readings [K] of one run at its samples and frames, its defect added."""
     space = objective.space
     values = {name: (field.cell_values(), field.face_values()) for name, field in fields.items()}
     body = properties(objective.stated, values, len(space.mesh.cells), len(space.mesh.faces))
     model = make_model(space, body, case.under, lagged=objective.lagged)
+    model = extend(model, case.under, additions)
     initial = case.under.start(len(space.mesh.nodes))
     temperature = solve_heat(
         model,
@@ -144,8 +148,9 @@ def case_temperatures(
         solver=objective.solver,
         adjoint=adjoint,
     ).temperature
-    read = temperature if case.between is None else case.between @ temperature
-    return read + case.defect
+    body_at = temperature if case.between is None else case.between @ temperature
+    pinned = (case.errors.staying > 0).astype(body_at.dtype)
+    return read_as(body_at, case.time, case.under, pinned, additions) + case.defect
 
 
 def data_residual(

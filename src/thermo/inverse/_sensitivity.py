@@ -113,7 +113,7 @@ def unfitted(
     seed: int = 0,
     model_error: float,
 ) -> Task:
-    """What would be asked of a fit, checked as `invert` does; arguments as there [SI]."""
+    """What would be asked of a fit, checked as `invert` does; arguments as there, errors in [K]."""
     make_room()
     scene, picked, names, initial = what_is_asked(data, runs, unknown, initial)
     # No optimiser steps here; any that takes no tangents of its own will do.

@@ -15,6 +15,7 @@ from ._table import table
 from ._text import write_text
 from ._versions import versions
 from ._vtk import write_pvd, write_vtu
+from ._write_discovery import discovery_record, discovery_table, write_discovery
 from ._write_identifiability import (
     identifiability_record,
     identifiability_table,
@@ -24,6 +25,9 @@ from ._write_inversion import inversion_record, inversion_table, write_inversion
 from ._write_prediction import prediction_table, write_predictions
 
 __all__ = [
+    "discovery_record",
+    "discovery_table",
+    "write_discovery",
     "Progress",
     "RepeatedFits",
     "TransferMap",

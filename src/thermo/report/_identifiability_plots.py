@@ -66,7 +66,7 @@ def spectrum(found: Record) -> Figure:
         Figure(dots), "Directions: above 1 the data lead, below it the prior", "direction",
         "eigenvalue",
     )  # fmt: skip
-    figure.add_hline(y=1.0, line_dash="dash", line_color="#666")
+    figure.add_hline(y=1.0, line_dash="dash", line_color="#666", line_width=1)
     figure.update_xaxes(dtick=1 if len(sizes) < 20 else None)
     drawn = np.log10([*np.maximum(sizes, least), 1.0])
     figure.update_yaxes(range=[drawn.min() - 0.5, drawn.max() + 0.5])
@@ -97,7 +97,7 @@ def profile(name: str, found: Record, unit: str) -> Figure:
     ])  # fmt: skip
     across = name if unit == "1" else f"{name} [{unit}]"
     _titled(figure, f"{name}: {found['kind']}", across, "rise of chi squared")
-    figure.add_hline(y=LEVEL, line_dash="dash", line_color="#666")
+    figure.add_hline(y=LEVEL, line_dash="dash", line_color="#666", line_width=1)
     return figure.update_yaxes(range=[0, 2 * LEVEL])
 
 

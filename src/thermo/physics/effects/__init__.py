@@ -13,7 +13,7 @@ from thermo.physics.effects._heating import (
 from thermo.physics.effects._law import PolynomialLaw
 from thermo.physics.effects._prescribed import PrescribedTemperature
 from thermo.physics.effects._radiation import STEFAN_BOLTZMANN, LaggedRadiation, Radiation
-from thermo.physics.effects._schedule import History, Schedule
+from thermo.physics.effects._schedule import History, Schedule, value_at
 
 __all__ = [
     "STEFAN_BOLTZMANN",
@@ -34,4 +34,5 @@ __all__ = [
     "gap_exchange",
     "patch_profile",
     "spot_profile",
+    "value_at",
 ]

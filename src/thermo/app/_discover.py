@@ -1,0 +1,57 @@
+"""`thermo discover`: which effect is missing in what a scene states."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from thermo import discover as discovery
+from thermo.app._configuration import (
+    build_meshing,
+    build_prior,
+    build_stepping,
+    given,
+    names,
+    number,
+)
+from thermo.app._scene import scene_of
+from thermo.report import (
+    discovery_record,
+    discovery_table,
+    require_writable,
+    write_discovery,
+)
+
+
+def discover(settings: Mapping[str, Any]) -> None:
+    """Search for what is missing, and leave `verdict.json` and a page rendered from it."""
+    begun = time.monotonic()
+    out = Path(settings["out"])
+    arguments = {
+        "runs": names(settings["runs"], "runs"),
+        "unknown": names(settings["unknown"], "unknown"),
+        "prior": build_prior(settings["prior"]),
+        "stepping": build_stepping(settings["integrator"]),
+        "meshing": build_meshing(settings["mesh"]),
+        "initial": given(settings["initial"], "initial."),
+        "model_error": number(settings, "model_error", above=0.0),
+    }
+    scene, _ = scene_of(settings)
+    require_writable(out)
+
+    def say(words: str) -> None:
+        print(f"{time.monotonic() - begun:5.0f} s  {words}", file=sys.stderr, flush=True)
+
+    found = discovery.discover(scene, **arguments, say=say)
+    record = discovery_record(found)
+    record |= {
+        "object": scene.object,
+        "seconds": time.monotonic() - begun,
+        "configuration": settings,
+    }
+    write_discovery(out, record)
+    told = "\n".join(record["sentences"])
+    print(f"{discovery_table(record)}\n\n{told}\n\n{out / 'verdict.html'}")

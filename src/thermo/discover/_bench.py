@@ -1,0 +1,89 @@
+"""The case on the bench: coarse cells for slopes, fine ones to be measured against."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from thermo.discover._candidate import Candidate
+from thermo.discover._extended import Extended, readings
+from thermo.inverse import (
+    Objective,
+    Ready,
+    Task,
+    coarse_tangents,
+    finer_mesh,
+    finer_readings,
+    make_objective,
+    prepare,
+    start,
+    with_defects,
+)
+from thermo.mesh import Mesh
+from thermo.physics.integrators import Sdirk2
+
+Apart = list[Float[Array, "runs frames samples"]]
+"""Differences of each group of runs [K]."""
+
+
+@final
+@dataclass(frozen=True)
+class Bench:
+    """A scene made ready to ask what is missing.
+
+    - `coarse`: linear cells and few steps, what they make wrong added where it was measured last.
+    - `finer`: the mesh [m] that they are measured against.
+    """
+
+    task: Task
+    ready: Ready
+    coarse: Objective
+    finer: Mesh
+
+    def first(self, candidates: tuple[Candidate, ...]) -> Extended:
+        """The point where the scene puts the fields, its candidates as they are [1]."""
+        return Extended(start(self.coarse), candidates)
+
+
+def set_up(task: Task) -> Bench:
+    """Meshes [m] and programs of a task; nothing is measured yet."""
+    ready = prepare(task)
+    coarse = coarse_tangents(task, ready)
+    return Bench(task, ready, coarse, finer_mesh(task, ready))
+
+
+def steps_for(objective: Objective, point: Extended) -> Objective:
+    """The objective with as many iterations a step as the point's candidates need [1]."""
+    if not any(one.card.law for one in point.candidates):
+        return objective
+    return replace(objective, integrator=Sdirk2(iterations=2))
+
+
+def measured(bench: Bench, point: Extended) -> Bench:
+    """The bench with all that its cells and steps make wrong at a point taken off [K]."""
+    wanted = finer_runs(bench, bench.coarse, point)
+    none = [jnp.zeros_like(one) for one in wanted]
+    bare = steps_for(with_defects(bench.coarse, none), point)
+    apart = [jnp.nan_to_num(a - b) for a, b in zip(wanted, readings(bare, point), strict=True)]
+    return replace(bench, coarse=with_defects(bench.coarse, apart))
+
+
+def usual_errors(bench: Bench, point: Extended) -> Apart:
+    """By how much the finer runs differ from those of a fit's usual cells and steps [K]."""
+    usual = make_objective(bench.task, bench.ready, bench.task.meshing.order)
+    wanted = finer_runs(bench, usual, point)
+    plain = replace(point, candidates=())
+    return [jnp.nan_to_num(a - b) for a, b in zip(wanted, readings(usual, plain), strict=True)]
+
+
+def finer_runs(bench: Bench, like: Objective, point: Extended) -> Apart:
+    """What a point reads on the finer mesh [K], laid out as the cases of `like`."""
+    # What is absent changes nothing, and a smaller program compiles sooner.
+    fields = point.fields
+    candidates = tuple(one for one in point.candidates if np.any(np.asarray(one.strength)))
+    made = finer_readings(bench.task, bench.ready, like, fields, bench.finer, candidates)
+    return [jnp.asarray(np.asarray(one)) for one in made]

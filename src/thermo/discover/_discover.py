@@ -1,0 +1,152 @@
+"""Find where simulation and measurement disagree, name what is missing, and prove it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from scipy.stats import norm
+
+from thermo.discover._bench import Apart, Bench, measured, set_up, usual_errors
+from thermo.discover._candidate import Candidate
+from thermo.discover._descent import descend
+from thermo.discover._entries import field_entries
+from thermo.discover._held_out import held_out
+from thermo.discover._library import library
+from thermo.discover._path import Say, by_shapes, search
+from thermo.discover._rounds import candidacies
+from thermo.discover._scores import ScoreTable
+from thermo.discover._search import Standing
+from thermo.discover._softening import blocks, error_columns
+from thermo.discover._verdict import Verdict
+from thermo.errors import InputError
+from thermo.inverse import Meshing, Prior, Stepping, Uniform, unfitted, with_fields
+from thermo.mesh import Mesh
+from thermo.observe import Scene, estimate_noise
+
+FRAMES = 300
+"""Frames of a run that are compared [1], as a slow sensor shows from frame to frame."""
+
+_UNPROVED: Final = "No run is held out, so that nothing is proved."
+
+
+def discover(
+    data: Scene | str | Path,
+    *,
+    runs: tuple[str, ...] | None = None,
+    unknown: tuple[str, ...] | None = None,
+    prior: Prior | None = None,
+    stepping: Stepping | None = None,
+    meshing: Meshing | None = None,
+    initial: dict[str, float] | None = None,
+    model_error: float = 0.01,
+    candidates: Callable[[Mesh, float], tuple[Candidate, ...]] = library,
+    say: Say = lambda words: None,
+) -> Verdict:
+    """Which effect is missing in what a scene states, if any is.
+
+    One value of each unknown is fitted; residuals are compared with noise; every candidate is
+    scored at strength zero; the credible ones are refitted, with their places; the best is put to
+    work, and the search goes on from there until nothing is missing. Where nothing is missing, it
+    is to say otherwise in 5 % of cases.
+
+    Arguments as for `invert`, `initial` by quantity [SI] and `model_error` [K] among them. Held-out
+    runs are predicted only. And:
+
+    - `candidates`: from the body's mesh [m] and the time of the longest run [s] to all effects that
+      may be missing, each of another name and of strength zero.
+    - `say`: is told what is being done.
+
+    Raises `InputError` as `invert` does, and where two candidates have one name.
+
+    Source: Rao, Proc. Camb. Phil. Soc. 44 (1948) 50, the scores; McCullagh and Nelder, Generalized
+    Linear Models (1989), section 9.2, how rivals are compared.
+    """
+    task = unfitted(
+        data, runs, unknown, Uniform(), prior or Prior(), stepping or Stepping(most_frames=FRAMES),
+        meshing, initial, model_error=model_error,
+    )  # fmt: skip
+    say("meshing")
+    bench = set_up(task)
+    every = candidates(bench.ready.mesh, max(float(run.recording.time[-1]) for run in task.runs))
+    _check_names(every)
+    begun, left = _begin(bench, every, say)
+    path = search(begun, tuple(one for one in every if one.card.law), say)
+    say("predicting held-out runs")
+    proof = held_out(bench, begun.point, path.standing.point)
+    named = {one.effect.card.name for one in path.rounds}
+    return Verdict(
+        verdict=path.word,
+        rounds=path.rounds,
+        candidates=candidacies(path.table, {}, 1.0),
+        threshold=path.table.threshold,
+        held_out=proof,
+        missed={name: one for name, one in _missed(path.table).items() if name not in named},
+        cells=_sizes(begun, left),
+        noise={run.name: estimate_noise(run.recording).white for run in task.runs},
+        parameters=_parameters(begun, path.standing),
+        omnibus=(by_shapes(begun), by_shapes(path.standing)),
+        point=path.standing.point,
+        remarks=path.remarks + ([] if proof else [_UNPROVED]),
+    )
+
+
+def _check_names(every: tuple[Candidate, ...]) -> None:
+    names = [one.card.name for one in every]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice or not names:
+        raise InputError(
+            "two candidates have one name" if twice else "there is no candidate",
+            where="candidates", value=", ".join(twice) or "none",
+            limit="one or more, each of a name of its own",
+            remedy="give the card of one of them another name",
+        )  # fmt: skip
+
+
+def _begin(bench: Bench, every: tuple[Candidate, ...], say: Say) -> tuple[Standing, Apart]:
+    """The stated model fitted, and what a fit's usual cells and steps make wrong there [K]."""
+    say("fitting what is stated")
+    # Laws make another program, and stand in the point only where one of them is at work.
+    point = bench.first(tuple(one for one in every if not one.card.law))
+    free = field_entries(point)
+    ended = descend(bench.coarse, point, free)
+    say("measuring what cells and steps make wrong")
+    bench = measured(bench, ended.point)
+    ended = descend(bench.coarse, ended.point, free)
+    left = usual_errors(bench, ended.point)
+    made = blocks(bench.coarse, bench.task, left)
+    errors = error_columns(made, bench.coarse, left, len(ended.residual))
+    first = {one.card.name: one for one in every}
+    return Standing(bench, first, ended.point, (), ended, made, errors), left
+
+
+def _sizes(begun: Standing, left: Apart) -> dict[str, float]:
+    """Root mean square of differences, by run [K]."""
+    each = [one for group in left for one in np.asarray(group)]
+    return {
+        block.name: float(np.sqrt(np.mean(one**2)))
+        for block, one in zip(begun.runs, each, strict=True)
+    }
+
+
+def _parameters(begun: Standing, last: Standing) -> dict[str, tuple[float, float]]:
+    """The fields' values before and after [SI]."""
+    before, after = (with_fields(one.bench.coarse, one.point.fields) for one in (begun, last))
+    return {
+        name: (float(one.control_values()[0]), float(after[name].control_values()[0]))
+        for name, one in before.items()
+    }
+
+
+def _missed(table: ScoreTable) -> Mapping[str, tuple[float | None, str]]:
+    """By kind the smallest strength that passes the threshold in four of five cases, everywhere."""
+    found: dict[str, tuple[float | None, str]] = {}
+    reach = table.threshold + float(norm.isf(0.2))
+    for score in table.scores:
+        card = score.entry.card
+        known = found.get(card.name, (0.0, ""))[0] or 0.0
+        found[card.name] = (max(reach * score.sd, known), card.unit)
+    # Where one part could not be seen at all, no strength of that kind is sure to be found.
+    return found | {one.card.name: (None, one.card.unit) for one in table.unseen}

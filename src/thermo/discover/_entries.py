@@ -1,0 +1,102 @@
+"""Which entries of a point belong to each candidate, and in what bounds they are free."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import final
+
+import jax
+import numpy as np
+from jaxtyping import Float, Int
+
+from thermo.discover._candidate import Candidate, Card
+from thermo.discover._descent import Free
+from thermo.discover._extended import Extended, numbers
+
+# A place's size stays within these factors of the first [1]; a field's logarithm moves by this [1].
+_SMALLER, _LARGER, _FIELD = 0.25, 4.0, 0.3
+
+
+Active = tuple[str, int]
+"""A part of a candidate that is at work: the candidate's name, the part's number [1]."""
+
+
+@final
+@dataclass(frozen=True)
+class Entry:
+    """One part of a candidate: a place, an axis, or all strengths that belong together.
+
+    - `kind`: number of the candidate in its tuple [1]; `part`: of its strengths [1].
+    - `card`; `strengths`: numbers of its entries in the flattened point, (strengths,) [1].
+    """
+
+    kind: int
+    part: int
+    card: Card
+    strengths: Int[np.ndarray, " strengths"]
+
+
+def entries(point: Extended) -> list[Entry]:
+    """Every part of every candidate, in the order of the flattened point."""
+    at = numbers(point).at
+    found = []
+    for kind, (one, where) in enumerate(zip(point.candidates, at.candidates, strict=True)):
+        place = np.asarray(where.strength).astype(int)
+        if one.card.joint:
+            found.append(Entry(kind, 0, one.card, place))
+        else:
+            found += [Entry(kind, part, one.card, place[[part]]) for part in range(len(place))]
+    return found
+
+
+def field_entries(point: Extended) -> Free:
+    """The parameters of the fields, free [1]."""
+    leaves = [np.asarray(leaf).ravel() for leaf in jax.tree.leaves(numbers(point).at.fields)]
+    number = np.concatenate(leaves).astype(int)
+    wide = np.full(len(number), np.inf)
+    return Free(number, np.full(len(number), _FIELD), -wide, wide)
+
+
+def entry_of(point: Extended, active: Active) -> Entry:
+    """The part of a candidate [1] by the candidate's name and the part's number."""
+    name, part = active
+    return next(one for one in entries(point) if one.card.name == name and one.part == part)
+
+
+def free_entries(
+    point: Extended, entry: Entry, before: Candidate, corners: Float[np.ndarray, "2 3"]
+) -> Free:
+    """The strengths, places and sizes of a part of a candidate, each in its unit.
+
+    Arguments: `before`: the candidate with its places of the first size [m]; `corners`: of the
+    body's box [m].
+    """
+    card, at = entry.card, numbers(point).at.candidates[entry.kind]
+    count = len(entry.strengths)
+    parts = [
+        Free(
+            entry.strengths,
+            np.full(count, 0.5 * card.typical),
+            np.full(count, card.low),
+            np.full(count, card.high),
+        )
+    ]
+    if before.place is not None and at.place is not None:
+        sizes = np.atleast_1d(np.asarray(before.place.size[entry.part]))
+        if at.place.centre is not None:
+            centre = np.asarray(at.place.centre[entry.part]).astype(int)
+            way = np.broadcast_to(sizes, 3)
+            parts.append(Free(centre, np.array(way), corners[0], corners[1]))
+        number = np.atleast_1d(np.asarray(at.place.size[entry.part])).astype(int)
+        parts.append(Free(number, 0.5 * sizes, _SMALLER * sizes, _LARGER * sizes))
+    return joined(*parts)
+
+
+def joined(*parts: Free) -> Free:
+    """All entries that any of the parts holds [1]."""
+    return Free(
+        np.concatenate([one.number for one in parts]),
+        np.concatenate([one.scale for one in parts]),
+        np.concatenate([one.low for one in parts]),
+        np.concatenate([one.high for one in parts]),
+    )

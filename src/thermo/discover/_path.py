@@ -1,0 +1,116 @@
+"""The rounds of a search, one effect more in each, and the rule by which it stops."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, final
+
+from scipy.stats import chi2
+
+from thermo.discover._candidate import Candidate
+from thermo.discover._rounds import make_round
+from thermo.discover._scores import ScoreTable, credible
+from thermo.discover._search import Standing, refits, scored, with_all
+from thermo.discover._verdict import Round, Word
+
+# Chance of a false alarm by the largest score, and by the misfit in smooth shapes [1]; each round
+# has half of the one before.
+_BY_SCORE: Final = 0.04
+_BY_SHAPES: Final = 0.01
+_ROUNDS: Final = 3
+# Named effects close this share of what is beyond noise, or leave no more than noise [1].
+_CLOSED: Final = 0.9
+# An effect has to close this share of what is left [1].
+_WORTH: Final = 0.5
+# What an effect's place is like is a guess: 15 % of its amplitude may be left by that, squared [1].
+_SHAPE: Final = 0.02
+
+Say = Callable[[str], None]
+
+
+@final
+@dataclass(frozen=True)
+class SearchPath:
+    """How far a search went.
+
+    - `table`: the scores before anything was put to work.
+    """
+
+    word: Word
+    rounds: list[Round]
+    standing: Standing
+    table: ScoreTable
+    remarks: list[str]
+
+
+def search(begun: Standing, laws: tuple[Candidate, ...], say: Say) -> SearchPath:
+    """Put effects to work one after the other until nothing is missing, or nothing explains it."""
+    standing, rounds, remarks = begun, [], []
+    tables: list[ScoreTable] = []
+    for number in range(_ROUNDS):
+        say(f"scoring all candidates, round {number + 1}")
+        share = 0.5**number
+        table = scored(standing, laws, alpha=share * _BY_SCORE)
+        tables.append(table)
+        if not _alarm(table) and by_shapes(standing) > share * _BY_SHAPES:
+            break
+        if rounds and _is_shape(begun, standing):
+            remarks.append(
+                "What is left is less than 2 % of the gap: the shape of an effect's place is a "
+                "guess and may leave as much, so that no more is read into it."
+            )
+            break
+        made = refits(standing, table, laws, say)
+        one = make_round(standing, made, table) if made else None
+        if rounds and (one is None or one.closed < _WORTH):
+            remarks.append(_rest(one))
+            break
+        if one is None:
+            break
+        rounds.append(one)
+        standing = with_all(made[0], standing)
+        if one.closed < _WORTH:
+            break
+    return SearchPath(
+        _word(begun, standing, rounds, tables[0]), rounds, standing, tables[0], remarks
+    )
+
+
+def _rest(one: Round | None) -> str:
+    if one is None:
+        return "A rest is left that no candidate shows in."
+    name = one.effect.card.name
+    return (
+        f"A rest is left that no candidate explains; the closest is {name}, "
+        f"which closes {100 * one.closed:.0f} % of it."
+    )
+
+
+def _word(begun: Standing, last: Standing, rounds: list[Round], table: ScoreTable) -> Word:
+    if not rounds:
+        gap = _alarm(table) or by_shapes(begun) <= _BY_SHAPES
+        return "none_of_mine" if gap else "no_gap"
+    (told, count), (rest, _) = begun.gap(), last.gap()
+    closed = (told - rest) / max(told - count, 1.0)
+    if closed < _CLOSED and by_shapes(last) <= _BY_SHAPES:
+        return "none_of_mine"
+    return "named" if all(len(one.together) == 1 for one in rounds) else "inseparable"
+
+
+def _alarm(table: ScoreTable) -> bool:
+    return any(credible(one, table.threshold) for one in table.scores)
+
+
+def by_shapes(standing: Standing) -> float:
+    """Probability of as large a misfit in smooth shapes by chance [1]."""
+    told, count = standing.gap()
+    return float(chi2.sf(told, count))
+
+
+def _is_shape(begun: Standing, standing: Standing) -> bool:
+    """Whether what is left may be due to the shape of the places at work."""
+    if all(standing.first[name].place is None for name, _ in standing.active):
+        return False
+    (told, count), (rest, _) = begun.gap(), standing.gap()
+    return rest - count < _SHAPE * (told - count)

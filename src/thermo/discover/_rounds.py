@@ -1,0 +1,120 @@
+"""A round of the search in numbers: what was scored, what was refitted, what is best."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.stats import chi2
+
+from thermo.discover._bench import steps_for
+from thermo.discover._entries import Entry, entry_of
+from thermo.discover._extended import readings
+from thermo.discover._scores import ScoreTable
+from thermo.discover._search import Refit, Standing, free_of
+from thermo.discover._softening import softened
+from thermo.discover._verdict import Candidacy, Effect, Round
+from thermo.inverse import NORMAL
+from thermo.mesh import face_areas
+
+
+def make_round(before: Standing, made: list[Refit], table: ScoreTable) -> Round:
+    """What the best of the refits explains, and which others explain as much [1].
+
+    Where the best leaves more than noise, what it leaves counts as noise: the misfit of a model
+    that is not quite right tells rivals apart less well than the noise alone would.
+
+    Source: McCullagh and Nelder, Generalized Linear Models (1989), section 9.2, quasi-likelihood.
+    """
+    best = made[0]
+    told, count = before.gap()
+    rest, _ = best.standing.gap()
+    spread = max(1.0, rest / count)
+    least = best.standing.loss()
+    gain = 2 * (before.loss() - least) / spread
+    near = [
+        one.name()
+        for one in made
+        if 2 * (one.standing.loss() - least) / spread < table.threshold**2
+    ]
+    left = {one.name(): (one.standing.loss() - least) for one in made}
+    whole = max(before.loss() - least, 1e-12)
+    free = len(best.standing.ended.slopes.T) - len(before.ended.slopes.T)
+    return Round(
+        candidates=candidacies(table, left, whole),
+        threshold=table.threshold,
+        effect=effect_of(best, spread),
+        together=near,
+        p_value=float(chi2.sf(gain, free)),
+        rms_before=rms(before),
+        rms_after=rms(best.standing),
+        closed=float((told - rest) / max(told - count, 1.0)),
+    )
+
+
+def candidacies(table: ScoreTable, left: dict[str, float], whole: float) -> list[Candidacy]:
+    """The best part of each kind, by its score; `left` of `whole` by the kinds refitted [1]."""
+    best = {}
+    for score in table.scores:
+        name = score.entry.card.name
+        if name not in best or abs(score.z) > abs(best[name].z):
+            best[name] = score
+    order = sorted(best.values(), key=lambda one: -abs(one.z))
+    return [
+        Candidacy(
+            one.entry.card,
+            one.z,
+            float(one.strength[-1]),
+            one.sd,
+            one.visible,
+            left[one.entry.card.name] / whole if one.entry.card.name in left else None,
+        )
+        for one in order
+    ]
+
+
+def rms(standing: Standing) -> dict[str, float]:
+    """Root mean square of simulation less readings, by run [K]."""
+    coarse = steps_for(standing.bench.coarse, standing.point)
+    found, order = {}, iter(coarse.sequence)
+    for case, group in zip(coarse.cases, readings(coarse, standing.point), strict=True):
+        apart = np.asarray(group) - np.asarray(case.data)
+        for one, used in zip(apart, np.asarray(case.used), strict=True):
+            run = standing.bench.task.runs[next(order)]
+            found[run.name] = float(np.sqrt(np.mean(one[used > 0] ** 2)))
+    return found
+
+
+def effect_of(refit: Refit, spread: float) -> Effect:
+    """The effect as its refit ended, its errors widened by the misfit that is left [1]."""
+    standing = refit.standing
+    point = standing.point
+    entry = entry_of(point, standing.active[-1])
+    free = free_of(standing)
+    slopes = softened(standing.runs, standing.ended.slopes)
+    normal = slopes.T @ slopes
+    covariance = np.linalg.pinv(normal, hermitian=True) * spread
+    number = int(np.flatnonzero(free.number == entry.strengths[-1])[0])
+    sd = float(np.sqrt(covariance[number, number]) * free.scale[number])
+    candidate = point.candidates[entry.kind]
+    value = float(candidate.strength[len(entry.strengths) - 1 if entry.card.joint else entry.part])
+    centre, size = _place(standing, entry)
+    ends = np.clip([value - NORMAL * sd, value + NORMAL * sd], entry.card.low, entry.card.high)
+    return Effect(entry.card, value, sd, (float(ends[0]), float(ends[1])), centre, size)
+
+
+def _place(standing: Standing, entry: Entry) -> tuple[np.ndarray | None, float | None]:
+    """Where an effect is [m], and how far it reaches [m]."""
+    place = standing.point.candidates[entry.kind].place
+    if place is not None and place.centre is not None:
+        return np.asarray(place.centre[entry.part]), float(np.max(place.size[entry.part]))
+    if entry.card.name not in ("support_contact", "backing_conduction"):
+        return None, None
+    mesh = standing.bench.ready.mesh
+    centres = mesh.nodes[mesh.faces[:, :3]].mean(1)
+    axis, upper = entry.part % 3, entry.part >= 3
+    end = mesh.nodes[:, axis].max() if upper else mesh.nodes[:, axis].min()
+    reach = 1e-3 * np.ptp(mesh.nodes[:, axis]) if place is None else float(place.size[entry.part])
+    there = np.abs(centres[:, axis] - end) <= reach
+    if not there.any():
+        return None, None
+    areas = face_areas(mesh)[there]
+    return (areas[:, None] * centres[there]).sum(0) / areas.sum(), float(np.sqrt(areas.sum()))

@@ -1,0 +1,144 @@
+"""The score of every candidate at zero strength, and what chance alone would reach."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, final
+
+import numpy as np
+from jaxtyping import Float
+from scipy.stats import chi2, norm
+
+from thermo.discover._entries import Entry
+from thermo.discover._projection import Projection
+
+# A strength that would be large has to be seen at this many deviations, or the data say nothing.
+_SEEN: Final = 1.0
+_DRAWS: Final = 4000
+
+
+@final
+@dataclass(frozen=True)
+class Score:
+    """What the data say of one part of a candidate, linearised where it is absent.
+
+    - `entry`; `z`: score in standard deviations, a normal equivalent where strengths are joint [1].
+    - `strength`: predicted, (strengths,) in the card's unit; `sd`: of the first of them.
+    - `visible`: share of the signature that the unknowns do not swallow [1].
+    """
+
+    entry: Entry
+    z: float
+    strength: Float[np.ndarray, " strengths"]
+    sd: float
+    visible: float
+
+
+@final
+@dataclass(frozen=True)
+class ScoreTable:
+    """The scores of all parts that could be seen, and the threshold of the largest [1].
+
+    - `alike`: correlation of the scores, by the order of `columns`, (columns, columns) [1].
+    """
+
+    scores: list[Score]
+    unseen: list[Entry]
+    threshold: float
+    alike: Float[np.ndarray, "columns columns"]
+    columns: list[tuple[int, slice]]
+
+
+def score_table(
+    found: Sequence[Entry],
+    signatures: Float[np.ndarray, "values columns"],
+    residual: Float[np.ndarray, " values"],
+    free: Projection,
+    *,
+    alpha: float,
+    seed: int = 0,
+) -> ScoreTable:
+    """Lagrange-multiplier scores z = g' S^-1 r / (g' S^-1 g)^1/2 of all candidates.
+
+    Arguments:
+
+    - `found`: parts, whose `signatures` stand column by column, each by its typical strength [1].
+    - `residual`: simulation less readings, whitened, at an optimum of what is `free` [1].
+    - `alpha`: chance of the largest score of all to pass the threshold where nothing is missing.
+
+    Source: Rao, Proc. Camb. Phil. Soc. 44 (1948) 50; the maximum by drawing normal scores with
+    their correlation.
+    """
+    left = free.left(signatures)
+    product = signatures.T @ left
+    pull = -(left.T @ residual)
+    raw = np.sqrt((signatures**2).sum(0))
+    size = np.sqrt(np.maximum(np.diag(product), 0.0))
+    scores, unseen, columns, kept = [], [], [], []
+    begin = 0
+    for entry in found:
+        part = np.arange(begin, begin + len(entry.strengths))
+        begin += len(part)
+        if size[part].max() < _SEEN:
+            unseen.append(entry)
+            continue
+        inverse = np.linalg.pinv(product[np.ix_(part, part)], rcond=1e-6, hermitian=True)
+        strength = inverse @ pull[part]
+        told = float(pull[part] @ strength)
+        z = float(np.sign(pull[part[-1]]) * _normal_equivalent(told, len(part)))
+        columns.append((len(scores), slice(len(kept), len(kept) + len(part))))
+        kept.extend(part)
+        scores.append(
+            Score(
+                entry,
+                z,
+                strength * entry.card.typical,
+                float(np.sqrt(inverse[-1, -1])) * entry.card.typical,
+                float(size[part].max() / max(raw[part].max(), 1e-300)),
+            )
+        )
+    unit = product[np.ix_(kept, kept)] / np.outer(size[kept], size[kept])
+    threshold = _threshold(unit, columns, scores, alpha, seed)
+    return ScoreTable(scores, unseen, threshold, unit, columns)
+
+
+def credible(score: Score, threshold: float) -> bool:
+    """Whether a score passes the threshold [1] to a side on which its strength can be."""
+    low = score.entry.card.low
+    return abs(score.z) > threshold and (low < 0 or score.z > 0)
+
+
+def _normal_equivalent(told: float, count: int) -> float:
+    """The normal deviate [1] as unlikely as a chi-square of so many degrees of freedom."""
+    if count == 1:
+        return float(np.sqrt(told))
+    chance = chi2.sf(told, count)
+    return float(norm.isf(chance / 2)) if chance > 1e-200 else float(np.sqrt(told - count))
+
+
+def _threshold(
+    unit: Float[np.ndarray, "columns columns"],
+    columns: Sequence[tuple[int, slice]],
+    scores: Sequence[Score],
+    alpha: float,
+    seed: int,
+) -> float:
+    """What the largest score passes with chance `alpha` [1] where nothing is missing."""
+    if not columns:
+        return float(norm.isf(alpha / 2))
+    values, vectors = np.linalg.eigh(unit)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    draws = np.random.default_rng(seed).standard_normal((_DRAWS, len(unit))) @ root.T
+    largest = np.zeros(_DRAWS)
+    for number, part in columns:
+        some = draws[:, part]
+        if some.shape[1] == 1:
+            one_sided = scores[number].entry.card.low >= 0
+            each = some[:, 0] if one_sided else np.abs(some[:, 0])
+        else:
+            inverse = np.linalg.pinv(unit[part, part], rcond=1e-6, hermitian=True)
+            told = np.einsum("di,ij,dj->d", some, inverse, some)
+            each = norm.isf(np.maximum(chi2.sf(told, some.shape[1]), 1e-200) / 2)
+        largest = np.maximum(largest, each)
+    return float(np.quantile(largest, 1 - alpha))

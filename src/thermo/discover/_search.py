@@ -1,0 +1,204 @@
+"""One round of the search: score all candidates, refit the credible ones, compare them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Final, final
+
+import numpy as np
+from jax.flatten_util import ravel_pytree
+from jaxtyping import Float
+
+from thermo.discover._bench import Bench, measured, steps_for
+from thermo.discover._candidate import Candidate
+from thermo.discover._descent import Ended, Free, descend
+from thermo.discover._entries import (
+    Active,
+    Entry,
+    entries,
+    entry_of,
+    field_entries,
+    free_entries,
+    joined,
+)
+from thermo.discover._extended import Extended, columns
+from thermo.discover._projection import Projection, projection
+from thermo.discover._scores import Score, ScoreTable, credible, score_table
+from thermo.discover._softening import Block, omnibus, softened
+
+# Kinds that are refitted at the most, and those of which what cells make wrong is measured anew.
+_REFITTED: Final = 8
+_MEASURED: Final = 3
+# A kind is refitted where its score explains this share of what the best one does [1].
+_WORTH: Final = 0.05
+# Of the gap between no candidate and the best, how far behind one may be to be measured anew [1].
+_NEAR: Final = 0.3
+
+Say = Callable[[str], None]
+
+
+@final
+@dataclass(frozen=True)
+class Standing:
+    """Where the search stands: a point, which parts of its candidates are at work, and the fit.
+
+    - `first`: every candidate by name, its places where it is looked for at first.
+    - `errors`: columns of what cells and steps may have left wrong, (values, runs) [1].
+    """
+
+    bench: Bench
+    first: Mapping[str, Candidate]
+    point: Extended
+    active: tuple[Active, ...]
+    ended: Ended
+    runs: list[Block]
+    errors: Float[np.ndarray, "values runs"]
+
+    def soft(self) -> Float[np.ndarray, " values"]:
+        """The residual [1], softened."""
+        return softened(self.runs, self.ended.residual[:, None])[:, 0]
+
+    def loss(self) -> float:
+        """Half the sum of squares of the softened residual [1]."""
+        return 0.5 * float(np.sum(self.soft() ** 2))
+
+    def gap(self) -> tuple[float, int]:
+        """Sum of squares in the smooth shapes, and how many there are [1]."""
+        told, count, _ = omnibus(self.runs, self.soft())
+        return told, count
+
+
+def free_of(standing: Standing) -> Free:
+    """Fields and the parts of candidates at work, free [1]."""
+    point, nodes = standing.point, standing.bench.ready.mesh.nodes
+    corners = np.stack([nodes.min(0), nodes.max(0)])
+    parts = [
+        free_entries(point, entry_of(point, one), standing.first[one[0]], corners)
+        for one in standing.active
+    ]
+    return joined(field_entries(point), *parts)
+
+
+def fitted(standing: Standing, *, times: int) -> Standing:
+    """Least squares from where it stands; what cells make wrong is measured `times` before [1]."""
+    free = free_of(standing)
+    for number in range(max(times, 1)):
+        bench = measured(standing.bench, standing.point) if number < times else standing.bench
+        ended = descend(steps_for(bench.coarse, standing.point), standing.point, free)
+        standing = replace(standing, bench=bench, point=ended.point, ended=ended)
+    return standing
+
+
+def nuisances(standing: Standing) -> Projection:
+    """What is free at a standing, and what cells and steps may have left wrong."""
+    slopes = softened(standing.runs, standing.ended.slopes)
+    return projection(slopes, softened(standing.runs, standing.errors))
+
+
+def scored(standing: Standing, laws: tuple[Candidate, ...], *, alpha: float) -> ScoreTable:
+    """The table of all candidates but those at work."""
+    point = standing.point
+    here = [one for one in entries(point) if (one.card.name, one.part) not in standing.active]
+    beside = _beside_laws(standing, laws)
+    there = [one for one in entries(beside) if one.card.law and one.kind >= _kept(standing)]
+    parts = [
+        _signatures(standing, at, some) for at, some in ((point, here), (beside, there)) if some
+    ]
+    return score_table(
+        [*here, *there], softened(standing.runs, np.concatenate(parts, 1)), standing.soft(),
+        nuisances(standing), alpha=alpha,
+    )  # fmt: skip
+
+
+def _kept(standing: Standing) -> int:
+    return len({name for name, _ in standing.active})
+
+
+def _beside_laws(standing: Standing, laws: tuple[Candidate, ...]) -> Extended:
+    """The kinds at work and all laws: a program apart, as laws cost twice the iterations."""
+    busy = {name for name, _ in standing.active}
+    kept = tuple(one for one in standing.point.candidates if one.card.name in busy)
+    more = tuple(one for one in laws if one.card.name not in busy)
+    return replace(standing.point, candidates=(*kept, *more))
+
+
+def _signatures(
+    standing: Standing, point: Extended, found: list[Entry]
+) -> Float[np.ndarray, "values columns"]:
+    """Slopes by the strengths of parts, each by its typical strength [1]."""
+    count = len(ravel_pytree(point)[0])
+    numbers = np.concatenate([entry.strengths for entry in found])
+    sizes = np.concatenate([np.full(len(e.strengths), e.card.typical) for e in found])
+    ways = np.zeros((len(numbers), count))
+    ways[np.arange(len(numbers)), numbers] = sizes
+    return columns(steps_for(standing.bench.coarse, point), point, ways)[1]
+
+
+@final
+@dataclass(frozen=True)
+class Refit:
+    """A candidate put to work: its score before, and where the fit stands with it."""
+
+    score: Score
+    standing: Standing
+
+    def name(self) -> str:
+        """Of the candidate."""
+        return self.score.entry.card.name
+
+
+def refits(
+    standing: Standing, table: ScoreTable, laws: tuple[Candidate, ...], say: Say
+) -> list[Refit]:
+    """The credible candidates put to work one by one, the best first."""
+    best: dict[str, Score] = {}
+    for score in table.scores:
+        name = score.entry.card.name
+        better = name not in best or abs(score.z) > abs(best[name].z)
+        if credible(score, table.threshold) and better:
+            best[name] = score
+    order = sorted(best.values(), key=lambda one: -abs(one.z))[:_REFITTED]
+    order = [one for one in order if one.z**2 >= _WORTH * order[0].z ** 2]
+    made = []
+    for score in order:
+        say(f"refitting {score.entry.card.name}, score {score.z:.1f}")
+        made.append(_put_to_work(standing, score, laws))
+    made.sort(key=lambda one: one.standing.loss())
+    return _measured_anew(standing, made, say)
+
+
+def _put_to_work(standing: Standing, score: Score, laws: tuple[Candidate, ...]) -> Refit:
+    # From strength zero the first step is the linear one, of fields and strength together.
+    card, point = score.entry.card, standing.point
+    if card.name not in {one.card.name for one in point.candidates}:
+        point = _beside_laws(standing, laws)
+    active = (*standing.active, (card.name, score.entry.part))
+    there = replace(standing, point=point, active=active)
+    return Refit(score, fitted(there, times=0))
+
+
+def _measured_anew(standing: Standing, made: list[Refit], say: Say) -> list[Refit]:
+    """Those near the best, fitted once more with what cells make wrong where they stand."""
+    if not made:
+        return made
+    before, least = standing.loss(), made[0].standing.loss()
+    near = [one for one in made if one.standing.loss() <= least + _NEAR * (before - least)]
+    near = near[:_MEASURED]
+    again = []
+    for one in near:
+        say(f"measuring the cells' error with {one.name()}")
+        again.append(replace(one, standing=fitted(one.standing, times=1)))
+    again.sort(key=lambda one: one.standing.loss())
+    say(f"and once more with {again[0].name()}")
+    again[0] = replace(again[0], standing=fitted(again[0].standing, times=1))
+    return again + [one for one in made if all(one is not other for other in near)]
+
+
+def with_all(refit: Refit, before: Standing) -> Standing:
+    """Where a refit stands, among all candidates that there were before it."""
+    found = {one.card.name: one for one in refit.standing.point.candidates}
+    kept = tuple(found.get(one.card.name, one) for one in before.point.candidates)
+    names = {one.card.name for one in kept}
+    more = tuple(found[name] for name, _ in refit.standing.active if name not in names)
+    return replace(refit.standing, point=replace(refit.standing.point, candidates=(*kept, *more)))

@@ -1,0 +1,102 @@
+"""What cells and steps may still make wrong: smooth shapes count for less."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from jaxtyping import Float
+
+from thermo.discover._bench import Apart
+from thermo.discover._extended import whitened
+from thermo.discover._modes import space_modes, time_modes
+from thermo.inverse import DEFECT_LEFT, Objective, Task
+
+
+@final
+@dataclass(frozen=True)
+class Block:
+    """The values of one run in the residual.
+
+    - `name`; `part`; `shape`: (frames, samples) [1].
+    - `in_time` (frames, modes), `in_space` (samples, modes): smooth shapes [1].
+    - `share`: of a smooth shape that is taken off, in units of its noise [1].
+    """
+
+    name: str
+    part: slice
+    shape: tuple[int, int]
+    in_time: Float[np.ndarray, "frames time"]
+    in_space: Float[np.ndarray, "samples space"]
+    share: float
+
+    def coefficients(self, values: Float[np.ndarray, " values"]) -> Float[np.ndarray, "time space"]:
+        """Of whitened values [1], those of the smooth shapes."""
+        return self.in_time.T @ values[self.part].reshape(self.shape) @ self.in_space
+
+
+def blocks(objective: Objective, task: Task, left: Apart) -> list[Block]:
+    """The runs of an objective, and how far each is to be softened.
+
+    A third of what cells and steps make wrong, `left` [K], may be left in the finer runs that the
+    residual is measured against, spread at random over the smooth shapes: the variance of each is
+    1 + tau^2, tau^2 the energy of that error over the number of shapes.
+
+    Source: Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001) 425, a discrepancy of the model.
+    """
+    found, begin, order = [], 0, iter(objective.sequence)
+    for case, group in zip(objective.cases, left, strict=True):
+        for used, weight, apart in zip(
+            np.asarray(case.used), np.asarray(case.weight()), np.asarray(group), strict=True
+        ):
+            run = task.runs[next(order)]
+            points = run.recording.points
+            across = np.zeros((used.shape[1], 0))
+            modes = space_modes(points)
+            across = np.zeros((used.shape[1], modes.shape[1]))
+            across[: len(points)] = modes
+            along = time_modes(len(used))
+            energy = float(np.sum((DEFECT_LEFT * weight * used * apart) ** 2))
+            spread = energy / (along.shape[1] * across.shape[1])
+            share = 1 - 1 / np.sqrt(1 + spread)
+            part = slice(begin, begin + used.size)
+            found.append(Block(run.name, part, used.shape, along, across, share))
+            begin += used.size
+    return found
+
+
+def softened(
+    runs: list[Block], values: Float[np.ndarray, "values columns"]
+) -> Float[np.ndarray, "values columns"]:
+    """Whitened columns [1] with the smooth shapes' share taken off, whose variance is one then."""
+    made = np.array(values)
+    for block in runs:
+        for column in range(values.shape[1]):
+            found = block.in_time @ block.coefficients(values[:, column]) @ block.in_space.T
+            made[block.part, column] -= block.share * found.ravel()
+    return made
+
+
+def omnibus(
+    runs: list[Block], values: Float[np.ndarray, " values"]
+) -> tuple[float, int, Mapping[str, float]]:
+    """Sum of squares in the smooth shapes, their number, and the sum of each run [1]."""
+    each = {block.name: float(np.sum(block.coefficients(values) ** 2)) for block in runs}
+    count = sum(block.in_time.shape[1] * block.in_space.shape[1] for block in runs)
+    return sum(each.values()), count, each
+
+
+def error_columns(
+    runs: list[Block], objective: Objective, apart: Apart, count: int
+) -> Float[np.ndarray, "values runs"]:
+    """A column for each run: the share that may be left of its errors [K], whitened [1].
+
+    `count`: of all values in the residual, those of priors among them.
+    """
+    white = np.asarray(whitened(objective, apart))
+    made = np.zeros((count, len(runs)))
+    for number, block in enumerate(runs):
+        made[block.part, number] = DEFECT_LEFT * white[block.part]
+    return made

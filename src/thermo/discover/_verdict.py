@@ -1,0 +1,117 @@
+"""What a search found, in words and numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, final
+
+import numpy as np
+from jaxtyping import Float
+
+from thermo.discover._candidate import Card
+from thermo.discover._extended import Extended
+
+
+@final
+@dataclass(frozen=True)
+class Effect:
+    """An effect that was put to work.
+
+    - `card`; `strength`, `sd`, `interval95`: in the card's unit.
+    - `centre`: (3,) [m], `size`: [m]; None where the effect has no place.
+    """
+
+    card: Card
+    strength: float
+    sd: float
+    interval95: tuple[float, float]
+    centre: Float[np.ndarray, "3"] | None
+    size: float | None
+
+
+@final
+@dataclass(frozen=True)
+class Candidacy:
+    """What the data said of one kind of effect in a round.
+
+    - `score`: in standard deviations [1]; `strength`, `sd`: predicted, in the card's unit.
+    - `visible`: share of its signature that the unknowns do not swallow [1].
+    - `left`: share of the gap that is left with it [1]; None where it was not refitted.
+    """
+
+    card: Card
+    score: float
+    strength: float
+    sd: float
+    visible: float
+    left: float | None
+
+
+@final
+@dataclass(frozen=True)
+class Round:
+    """One effect more.
+
+    - `candidates`: all kinds, the best part of each; `threshold`: of their scores [1].
+    - `effect`: the best; `together`: names of all that would explain as much.
+    - `p_value`: of what it explains [1]; `rms_before`, `rms_after`: by run [K].
+    - `closed`: share of what is beyond noise that it closes [1].
+    """
+
+    candidates: list[Candidacy]
+    threshold: float
+    effect: Effect
+    together: list[str]
+    p_value: float
+    rms_before: Mapping[str, float]
+    rms_after: Mapping[str, float]
+    closed: float
+
+
+@final
+@dataclass(frozen=True)
+class HeldOut:
+    """A run that was not fitted: rms before and after, of its noise [K], share closed [1]."""
+
+    rms_before: float
+    rms_after: float
+    noise: float
+    gap_closed: float | None
+
+
+Word = Literal["named", "inseparable", "none_of_mine", "no_gap"]
+
+
+@final
+@dataclass(frozen=True)
+class Verdict:
+    """The answer, and what it rests on.
+
+    - `verdict`; `rounds`: of what is named, or of the best that does not explain the gap.
+    - `held_out`: by run; `missed`: by kind the smallest strength that would have been found, in the
+      card's unit, None where no strength would be seen.
+    - `cells`: what a fit's usual cells and steps make wrong, by run [K]; it is taken off, and a
+      third of it is allowed for.
+    - `noise`: of a reading by run [K]; `parameters`: medians of the fields before and after [SI].
+    - `omnibus`: probability of as large a misfit in smooth shapes without and with effects [1].
+    """
+
+    verdict: Word
+    rounds: list[Round]
+    candidates: list[Candidacy]
+    threshold: float
+    held_out: Mapping[str, HeldOut]
+    missed: Mapping[str, tuple[float | None, str]]
+    cells: Mapping[str, float]
+    noise: Mapping[str, float]
+    parameters: Mapping[str, tuple[float, float]]
+    omnibus: tuple[float, float]
+    point: Extended
+    remarks: list[str] = field(default_factory=list)
+
+    def effects(self) -> list[str]:
+        """Names of what was found, in the order in which it was."""
+        if self.verdict not in ("named", "inseparable"):
+            return []
+        return [one.effect.card.name for one in self.rounds]

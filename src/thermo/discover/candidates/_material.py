@@ -1,0 +1,109 @@
+"""Effects inside the body: properties that vary with temperature, direction or place."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import ClassVar, final
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from thermo.discover._candidate import AbstractHeatCandidate, Card, Place, cell_points
+from thermo.inverse import Conditions
+from thermo.physics import Model
+from thermo.physics.effects import PolynomialLaw
+
+REFERENCE = 293.15
+"""Temperature [K] at which properties that change with it are as stated."""
+
+# A void lets this share of the heat through [1], so that temperatures inside stay defined.
+_LEAST = 1e-4
+
+
+def _law(slope: Float[Array, ""]) -> PolynomialLaw:
+    return PolynomialLaw(jnp.stack([jnp.ones(()), slope]), REFERENCE)
+
+
+@final
+class TemperatureDependentConductivity(AbstractHeatCandidate):
+    """k(T) = k (1 + strength (T - 293.15 K))."""
+
+    card: ClassVar[Card] = Card(
+        "temperature_dependent_conductivity", "1/K", 5e-3, -0.05, 0.05,
+        excited_by="steep gradients at temperatures over a wide range",
+        hides_behind="conductivity that depends on the direction, cells that are too large",
+        split_by="the same heating at another power",
+        law=True,
+    )  # fmt: skip
+    strength: Float[Array, " parts"]
+    place: Place | None = None
+
+    def to_model(self, model: Model, under: Conditions) -> Model:
+        """The model [SI] with a conductivity that changes with temperature."""
+        del under
+        return replace(model, conductivity_law=_law(self.strength[0]))
+
+
+@final
+class TemperatureDependentHeatCapacity(AbstractHeatCandidate):
+    """c(T) = c (1 + strength (T - 293.15 K))."""
+
+    card: ClassVar[Card] = Card(
+        "temperature_dependent_heat_capacity", "1/K", 5e-3, -0.05, 0.05,
+        excited_by="temperatures over a wide range",
+        hides_behind="radiation, the camera's scale",
+        split_by="the same heating at another power",
+        law=True,
+    )  # fmt: skip
+    strength: Float[Array, " parts"]
+    place: Place | None = None
+
+    def to_model(self, model: Model, under: Conditions) -> Model:
+        """The model [SI] with a capacity that changes with temperature."""
+        del under
+        return replace(model, capacity_law=_law(self.strength[0]))
+
+
+@final
+class AnisotropicConductivity(AbstractHeatCandidate):
+    """Conductivity along x, y or z that is higher by a share, k_x = k (1 + strength)."""
+
+    card: ClassVar[Card] = Card(
+        "anisotropic_conductivity", "1", 0.5, -0.95, 20.0,
+        excited_by="heat that flows along several axes",
+        hides_behind="conductivity that changes with temperature, cells that are too large",
+        split_by="another face heated",
+    )  # fmt: skip
+    strength: Float[Array, " parts"]
+    place: Place | None = None
+
+    def to_model(self, model: Model, under: Conditions) -> Model:
+        """The model [SI] with a tensor of conductivity."""
+        del under
+        tensor = model.conductivity[:, None, None] * jnp.diag(1 + self.strength)
+        return replace(model, conductivity=tensor)
+
+
+@final
+class Void(AbstractHeatCandidate):
+    """A place that conducts poorly, k (1 - strength exp(-sum of (way / size)^4)).
+
+    Its sizes along x, y and z are free, so that it can be flat as a crack or a delamination.
+    """
+
+    card: ClassVar[Card] = Card(
+        "void", "1", 0.9, 0.0, 0.999,
+        excited_by="heat that flows through the place",
+        hides_behind="a conductivity that varies",
+        split_by="heat from the other side",
+    )  # fmt: skip
+    strength: Float[Array, " parts"]
+    place: Place
+
+    def to_model(self, model: Model, under: Conditions) -> Model:
+        """The model [SI] with voids in it."""
+        del under
+        boxes = self.place.boxes(cell_points(model.space)).mean(1)
+        factor = jnp.maximum(1 - self.strength @ boxes, _LEAST)
+        shape = (-1,) + (1,) * (model.conductivity.ndim - 1)
+        return replace(model, conductivity=model.conductivity * factor.reshape(shape))

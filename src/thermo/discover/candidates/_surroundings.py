@@ -1,0 +1,249 @@
+"""Effects of what is around the body."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import ClassVar, final
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from thermo.discover._candidate import AbstractHeatCandidate, Card, Place, face_shares, on_faces
+from thermo.inverse import Conditions
+from thermo.physics import Discretisation, Model
+from thermo.physics.effects import (
+    AbstractSurfaceEffect,
+    Contact,
+    Convection,
+    History,
+    Radiation,
+    value_at,
+)
+
+Time = float | Float[Array, ""]
+
+
+def _also(model: Model, effect: AbstractSurfaceEffect) -> Model:
+    return replace(model, surface=(*model.surface, effect))
+
+
+@final
+class MissingRadiation(AbstractHeatCandidate):
+    """Radiation beyond what is stated, by an emissivity that is higher by the strength."""
+
+    card: ClassVar[Card] = Card(
+        "radiation", "1", 1.0, -1.0, 1.0,
+        excited_by="surface temperatures over a wide range",
+        hides_behind="convection, a drift of the surroundings, evaporation",
+        split_by="a second power, vacuum, a tape of low emissivity",
+    )  # fmt: skip
+    strength: Float[Array, " parts"]
+    place: Place | None = None
+
+    def to_model(self, model: Model, under: Conditions) -> Model:
+        """The model [SI] with more radiation in it."""
+        emissivity = jnp.broadcast_to(self.strength[0], (len(model.space.mesh.faces),))
+        return _also(model, Radiation(emissivity, under.surroundings))
+
+
+@final
+class LocalConvection(AbstractHeatCandidate):
+    """Convection that is stronger on a patch, h(x) = h + strength exp(-r^2 / (2 size^2))."""
+
+    card: ClassVar[Card] = Card(
+        "local_convection", "W/m2/K", 100.0, -np.inf, np.inf,
+        excited_by="a patch well above the surroundings",
+        hides_behind="contact at the same patch",
+        split_by="a fan that is turned off, the body turned round",
+    )  # fmt: skip
+    strength: Float[Array, " parts"]
+    place: Place
+
+    def to_model(self, model: Model, under: Conditions) -> Model:
+        """The model [SI] with more convection on patches."""
+        return _also(
+            model, Convection(self.strength @ on_faces(model.space, self.place), under.ambient)
+        )
+
+
+@final
+class SupportContact(AbstractHeatCandidate):
+    """Contact with a support under one side, over a footprint of some depth.
+
+    q = strength (T_support - T) where the surface lies within `depth` of the side's end of the
+    body; the support is as warm as the surroundings. Sides are -x, -y, -z, +x, +y, +z, and the
+    sizes of their places the depths.
+
+    Source: Carslaw and Jaeger, Conduction of Heat in Solids, section 1.9.
+    """
+
+    card: ClassVar[Card] = Card(
+        "support_contact", "W/m2/K", 500.0, 0.0, np.inf,
+        excited_by="heat that passes the support",
+        hides_behind="convection that is stronger there, a source",
+        split_by="a support that is moved or insulated",
+    )  # fmt: skip
+    strength: Float[Array, " parts"]
+    place: Place
+
+    def to_model(self, model: Model, under: Conditions) -> Model:
+        """The model [SI] with a support under its sides."""
+        return _also(model, Contact(self.strength @ self._footprints(model.space), under.ambient))
+
+    def _footprints(self, space: Discretisation) -> Float[Array, "parts faces"]:
+        points = jnp.asarray(space.face_point)
+        nodes = jnp.asarray(space.mesh.nodes)
+        above = jnp.concatenate(
+            [points - nodes.min(0), nodes.max(0) - points], axis=-1
+        )  # faces points sides
+        # Some smoothness, so that the depth can be found.
+        depth = self.place.size
+        inside = jnp.clip(0.5 + (depth - above) / (0.5 * depth), 0.0, 1.0)
+        return jnp.einsum("fqs,fq->sf", inside, face_shares(space))
+
+
+@final
+class BackingFlow(AbstractSurfaceEffect):
+    """q = effusivity (T_start - T) / sqrt(pi (t + delay)), a half-space that begins at T_start.
+
+    - `effusivity`: (faces,) [W s^1/2 / m2 / K]; `start`: [K].
+    """
+
+    effusivity: Float[Array, " faces"]
+    start: Float[Array, ""]
+
+    def flux(
+        self, temperature: Float[Array, "faces points"], time: Time
+    ) -> Float[Array, "faces points"]:
+        """Flux into the body [W/m2] at surface temperatures [K] and a time [s]."""
+        # Of a step at t = 0; a body that warms slowly loses up to half as much again.
+        rate = self.effusivity[:, None] / jnp.sqrt(jnp.pi * (jnp.asarray(time) + 1.0))
+        return rate * (self.start - temperature)
+
+    def local(self) -> bool:
+        """Yes: the flux at a point knows no other temperature [K]."""
+        return True
+
+    def slope(self, temperature: Float[Array, "faces points"]) -> None:
+        """None [W/m2/K]: the time is not known here, and the flux is weak."""
+        del temperature
+
+
+@final
+class BackingConduction(AbstractHeatCandidate):
+    """Loss into a thick body behind one side, by that body's effusivity.
+
+    Source: Carslaw and Jaeger, Conduction of Heat in Solids, section 2.4.
+    """
+
+    card: ClassVar[Card] = Card(
+        "backing_conduction", "W s^0.5/m2/K", 1000.0, 0.0, np.inf,
+        excited_by="long runs",
+        hides_behind="contact with a support, convection",
+        split_by="a run with another backing",
+    )  # fmt: skip
+    strength: Float[Array, " parts"]
+    place: Place | None = None
+
+    def to_model(self, model: Model, under: Conditions) -> Model:
+        """The model [SI] with a body behind its sides -x, -y, -z, +x, +y, +z."""
+        normals = jnp.asarray(model.space.mesh.normals)
+        facing = jnp.concatenate([-normals, normals], 1) > 0.9
+        return _also(model, BackingFlow(facing @ self.strength, under.initial))
+
+
+@final
+class AmbientDrift(AbstractHeatCandidate):
+    """Surroundings that change over the run, by straight lines between evenly spread knots.
+
+    The strengths are the rises at the knots after the start; the last is that at the end.
+
+    - `duration`: time of the last knot [s].
+    """
+
+    card: ClassVar[Card] = Card(
+        "ambient_drift", "K", 10.0, -200.0, 200.0,
+        excited_by="long runs",
+        hides_behind="radiation, convection",
+        split_by="the surroundings logged; a repeat in reverse order",
+        joint=True,
+    )  # fmt: skip
+    strength: Float[Array, " parts"]
+    duration: Float[Array, ""] = eqx.field(kw_only=True)
+    place: Place | None = None
+
+    def to_model(self, model: Model, under: Conditions) -> Model:
+        """The model [SI] in surroundings that drift."""
+        time = jnp.linspace(0.0, 1.0, len(self.strength) + 1) * self.duration
+        rise = jnp.concatenate([jnp.zeros(1), self.strength])
+
+        def drifting(effect: AbstractSurfaceEffect) -> AbstractSurfaceEffect:
+            if isinstance(effect, Convection):
+                return replace(effect, ambient=_raised(effect.ambient, time, rise))
+            if isinstance(effect, Radiation):
+                return replace(effect, surroundings=_raised(effect.surroundings, time, rise))
+            return effect
+
+        return replace(model, surface=tuple(drifting(effect) for effect in model.surface))
+
+
+def _raised(
+    level: Float[Array, ""] | float | History,
+    time: Float[Array, " knots"],
+    rise: Float[Array, " knots"],
+) -> History:
+    return History(time, value_at(level, 0.0) + rise)
+
+
+@final
+class Vapour(AbstractSurfaceEffect):
+    """Heat that evaporating water takes, q = strength (p(T_air) / 2 - p(T)), air half saturated.
+
+    - `coefficient`: [W/m2/Pa]; `air`: [K].
+
+    Source: Magnus's formula for p, Alduchov and Eskridge, J. Appl. Meteor. 35 (1996) 601.
+    """
+
+    coefficient: Float[Array, ""]
+    air: Float[Array, ""]
+
+    def flux(
+        self, temperature: Float[Array, "faces points"], time: Time
+    ) -> Float[Array, "faces points"]:
+        """Flux into the body [W/m2] at surface temperatures [K]."""
+        del time
+        return self.coefficient * (0.5 * saturation(self.air) - saturation(temperature))
+
+    def local(self) -> bool:
+        """Yes: the flux at a point knows no other temperature [K]."""
+        return True
+
+    def slope(self, temperature: Float[Array, "faces points"]) -> Float[Array, "faces points"]:
+        """Coefficient of the implicit matrix [W/m2/K]."""
+        grows = 17.625 * 243.04 / (temperature - 30.11) ** 2
+        return self.coefficient * saturation(temperature) * grows
+
+
+def saturation(temperature: Float[Array, "*any"]) -> Float[Array, "*any"]:
+    """Pressure of saturated vapour [Pa] at temperatures [K]."""
+    return 610.94 * jnp.exp(17.625 * (temperature - 273.15) / (temperature - 30.11))
+
+
+@final
+class Evaporation(AbstractHeatCandidate):
+    """Water that evaporates from the whole surface."""
+
+    card: ClassVar[Card] = Card(
+        "evaporation", "W/m2/Pa", 0.05, 0.0, np.inf,
+        excited_by="a wet start, a warm skin",
+        hides_behind="the camera's scale, radiation, convection",
+        split_by="a dry or sealed repeat",
+    )  # fmt: skip
+    strength: Float[Array, " parts"]
+    place: Place | None = None
+
+    def to_model(self, model: Model, under: Conditions) -> Model:
+        """The model [SI] with a wet surface."""
+        return _also(model, Vapour(self.strength[0], under.ambient))

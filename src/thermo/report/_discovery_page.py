@@ -1,0 +1,270 @@
+"""One page in HTML, without a network, on what is missing; rendered from its JSON alone."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from plotly.offline import get_plotlyjs
+
+from thermo.fields import QUANTITIES
+
+from ._discovery_plots import held_out_bars, score_bars, spoken
+from ._identifiability_page import _STYLE, _plots, _section, _table
+
+_MORE = """
+.said { font-size: 1.15rem; line-height: 1.35; margin: 0.5rem 0; }
+.lead { font-size: 1.7rem; font-weight: 600; }
+.named { color: #1b6e3c; }
+.inseparable { color: #8a5a00; }
+.none_of_mine { color: #a3242b; }
+.below { color: #666; } .note { color: #555; font-size: 0.9rem; }
+td { vertical-align: top; } tr { break-inside: avoid; }
+#rounds td:nth-child(6), #candidates td:nth-child(2) { white-space: nowrap; }
+"""
+
+Record = Mapping[str, Any]
+
+
+def discovery_page(record: Mapping[str, Any], title: str) -> str:
+    """The page of a search [SI]; `record` is what `verdict.json` holds."""
+    parts = [
+        f"<h1>{html.escape(title)}</h1>",
+        _verdict(record),
+        _section("Rounds", "rounds", _rounds(record)),
+        _section("Scores of the candidates", "scores", _scores(record)),
+        _section("All candidates", "candidates", _candidates(record)),
+        _section("Runs that were not fitted", "held_out", _held_out(record)),
+        _section("Parameters before and after", "parameters", _parameters(record)),
+        _section("What could have been missed", "missed", _missed(record)),
+        _section("Noise and numerics", "noise", _noise(record)),
+        _section("Made with", "versions", _made_with(record)),
+    ]
+    return (
+        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+        f'<meta name="viewport" content="width=device-width">'
+        f'<link rel="icon" href="data:,">'
+        f"<title>{html.escape(title)}</title><style>{_STYLE}{_MORE}</style>"
+        f"<script>{get_plotlyjs()}</script></head>\n<body>\n"
+        + "\n".join(parts)
+        + "\n</body></html>\n"
+    )
+
+
+def _verdict(record: Record) -> str:
+    word = record["verdict"]
+    # A sentence for each effect comes first; held-out runs and remarks come after.
+    first = len(record["rounds"]) if word in ("named", "inseparable") else 1
+    lead = f"lead {html.escape(word)}"
+    said = [
+        f'<p class="said {lead if number < first else "more"}">{html.escape(line)}</p>'
+        for number, line in enumerate(record["sentences"])
+    ]
+    return f'<section id="verdict">{"".join(said)}</section>'
+
+
+def _rounds(record: Record) -> str:
+    chance = record["p_value"]
+    before, after = _chance(chance["without"]), _chance(chance["with"])
+    told = "Chance that noise and numerics alone leave so large a misfit in smooth shapes: "
+    if not record["rounds"]:
+        return _note("No candidate was put to work.") + _note(f"{told}{before}.")
+    header = ["round", "effect", "strength", "95 % interval", "place [mm]", "p-value",
+              "gap closed", "rms before and after [K]"]  # fmt: skip
+    rows = [
+        [
+            str(number),
+            _what(one, record["verdict"]),
+            _amount(one["strength"], one["unit"]),
+            _amount(" to ".join(_number(end) for end in one["interval95"]), one["unit"]),
+            _place(one["location"]),
+            _chance(one["p_value"]),
+            _share(one["gap_closed"]),
+            _falls(one["rms_before"], one["rms_after"]),
+        ]
+        for number, one in enumerate(record["rounds"], 1)
+    ]
+    body = _table(header, rows, ["round"] * len(rows))
+    return body + _note(f"{told}{before} before the first round, {after} after the last.")
+
+
+def _what(one: Record, verdict: str) -> str:
+    """What a round found, in words."""
+    if len(one["set"]) > 1:
+        names = " or ".join(spoken(name) for name in one["set"])
+        words = f"{names}: cannot be told apart. The numbers are of {spoken(one['best'])}"
+    else:
+        words = spoken(one["best"])
+    return f"{words} (the closest, not named)" if verdict == "none_of_mine" else words
+
+
+def _place(found: Record | None) -> str:
+    """Where an effect is and how far it reaches [mm], from metres."""
+    if found is None:
+        return "no place"
+    centre = ", ".join(f"{1e3 * one:.1f}" for one in found["centre"])
+    return f"({centre}), size {1e3 * found['size']:.1f}"
+
+
+def _falls(before: Mapping[str, float], after: Mapping[str, float]) -> str:
+    """Root mean squares by run [K]."""
+    ends = ((name, before[name], after[name]) for name in before)
+    return "; ".join(f"{n}: {_number(b, '.3g')} to {_number(a, '.3g')}" for n, b, a in ends)
+
+
+def _first_round(record: Record) -> tuple[Sequence[Record], float]:
+    """The candidates of round 1 and the threshold of their scores [1]."""
+    rounds = record["rounds"]
+    # Only a round knows what was left by the candidates that it refitted.
+    where = rounds[0] if rounds else record
+    return where["candidates"], where["threshold"]
+
+
+def _scores(record: Record) -> str:
+    found, threshold = _first_round(record)
+    seen = [one for one in found if one["score"] is not None and np.isfinite(one["score"])]
+    if not seen:
+        return _note("No candidate could be seen in these runs.")
+    words = (
+        "The bars show the size of each score in round 1, in standard deviations. The dashed line "
+        f"is the threshold, {threshold:.3g}. Grey bars do not pass it. A score below zero does not "
+        "count where a strength below zero cannot be."
+    )
+    return _plots([score_bars(seen, threshold)], "scores") + _note(words)
+
+
+def _candidates(record: Record) -> str:
+    found, threshold = _first_round(record)
+    if not found:
+        return _note("No candidate could be seen in these runs.")
+    header = ["candidate", "score", "strength alone", "visible", "left when refitted",
+              "hides behind", "would be split by"]  # fmt: skip
+    rows = [
+        [
+            spoken(one["name"]),
+            _number(one["score"], "+.3g"),
+            _alone(one),
+            _share(one["visible"]),
+            "not refitted" if one["left"] is None else _share(one["left"]),
+            one["hides_behind"],
+            one["split_by"],
+        ]
+        for one in found
+    ]
+    kinds = [_kind(one, record, threshold) for one in found]
+    return _table(header, rows, kinds) + _note(_CANDIDATES)
+
+
+def _alone(one: Record) -> str:
+    """Strength where nothing else is missing, in its unit."""
+    return _amount(f"{_number(one['strength'], '.3g')} ± {_number(one['sd'], '.2g')}", one["unit"])
+
+
+def _kind(one: Record, record: Record, threshold: float) -> str:
+    """The class of a candidate's row."""
+    if record["effects"]:
+        for found in record["rounds"]:
+            if one["name"] in found["set"]:
+                return "named" if len(found["set"]) == 1 else "inseparable"
+    return "above" if abs(one["score"] or 0.0) > threshold else "below"
+
+
+_CANDIDATES = (
+    "All numbers are of round 1. Strength alone is what is foretold where nothing else is missing, "
+    "with its standard deviation. Visible is the share of the signature that the unknowns do not "
+    "swallow. Left when refitted is the share of the gap that a candidate leaves, where the gap is "
+    "what the best of them closes: the best leaves nothing."
+)
+
+
+def _held_out(record: Record) -> str:
+    found = record["held_out"]
+    if not found:
+        return _note("No run was held out, so nothing is proved on readings that were not fitted.")
+    header = ["run", "rms before [K]", "rms after [K]", "noise [K]", "gap closed"]
+    rows = [
+        [name, *(_number(one[key], ".3g") for key in ("rms_before", "rms_after", "noise")),
+         "nothing to close" if one["gap_closed"] is None else _share(one["gap_closed"])]
+        for name, one in found.items()
+    ]  # fmt: skip
+    drawn = _plots([held_out_bars(found)], "held-out")
+    return drawn + _table(header, rows, ["held"] * len(rows))
+
+
+def _parameters(record: Record) -> str:
+    found = record["parameters"]
+    if not found:
+        return _note("No parameter was fitted.")
+    rows = [
+        [spoken(name), *(_amount(_number(one[key]), _unit(name)) for key in ("before", "after")),
+         _change(one["before"], one["after"])]
+        for name, one in found.items()
+    ]  # fmt: skip
+    return _table(["unknown", "before", "after", "change"], rows, ["parameter"] * len(rows))
+
+
+def _unit(name: str) -> str:
+    return QUANTITIES[name].unit if name in QUANTITIES else "1"
+
+
+def _change(before: float | None, after: float | None) -> str:
+    if not before or after is None:
+        return "not known"
+    return f"{100 * (after / before - 1):+.2g} %"
+
+
+def _missed(record: Record) -> str:
+    found = record["could_have_missed"]
+    if not found:
+        return _note("Nothing that was looked for.")
+    rows = [
+        [spoken(name), "nothing could be seen" if one["strength"] is None
+         else _amount(_number(one["strength"], ".3g"), one["unit"])]
+        for name, one in found.items()
+    ]  # fmt: skip
+    kinds = ["below" if one["strength"] is None else "seen" for one in found.values()]
+    words = "Weaker effects may be there unseen. One so strong is found in four of five cases."
+    return _table(["candidate", "smallest strength found"], rows, kinds) + _note(words)
+
+
+def _noise(record: Record) -> str:
+    noise, numerics = record["noise"], record["numerics"]["cells_and_steps_K"]
+    rows = [
+        [name, *(_number(found.get(name), ".2g") for found in (noise, numerics))]
+        for name in {**noise, **numerics}
+    ]
+    words = "What cells and steps make wrong is taken off, and a third of it is allowed for."
+    header = ["run", "noise of a reading [K]", "wrong by cells and steps [K]"]
+    return _table(header, rows, ["run"] * len(rows)) + _note(words)
+
+
+def _made_with(record: Record) -> str:
+    made = ", ".join(f"{name} {value}" for name, value in record["versions"].items())
+    took = f" in {record['seconds']:.0f} s" if record.get("seconds") is not None else ""
+    return f"<p>{html.escape(made)}{took}</p>"
+
+
+def _note(words: str) -> str:
+    return f'<p class="note">{html.escape(words)}</p>'
+
+
+def _number(value: float | None, form: str = ".4g") -> str:
+    """A number in words; JSON holds null for one that is not finite."""
+    return "not known" if value is None or not np.isfinite(value) else format(value, form)
+
+
+def _amount(value: float | str | None, unit: str) -> str:
+    words = value if isinstance(value, str) else _number(value)
+    return words if unit == "1" or words == "not known" else f"{words} {unit}"
+
+
+def _share(value: float | None) -> str:
+    # A zero is added so that what is rounded to zero has no sign.
+    return "not known" if value is None else f"{round(100 * value, 1) + 0.0:.1f} %"
+
+
+def _chance(value: float | None) -> str:
+    # Where the chance is too small for a number of the machine, it is exactly zero.
+    return "below 1e-300" if value is not None and value < 1e-300 else _number(value, ".2g")

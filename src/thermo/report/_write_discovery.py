@@ -1,0 +1,156 @@
+"""What a search for missing effects leaves in its folder."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from thermo.discover import Candidacy, Effect, Round, Verdict
+
+from ._discovery_page import discovery_page
+from ._json import write_json
+from ._table import table
+from ._text import write_text
+from ._versions import versions
+
+
+def discovery_record(found: Verdict) -> dict[str, Any]:
+    """Every number of a verdict as plain data: values [SI], temperatures [K], scores [1]."""
+    return {
+        "format": "thermofield-verdict/1",
+        "verb": "discover",
+        "verdict": found.verdict,
+        "sentences": verdict_sentences(found),
+        "effects": found.effects(),
+        "rounds": [_round(one) for one in found.rounds],
+        "candidates": [_candidacy(one) for one in found.candidates],
+        "threshold": found.threshold,
+        "held_out": {
+            name: {
+                "rms_before": one.rms_before,
+                "rms_after": one.rms_after,
+                "noise": one.noise,
+                "gap_closed": one.gap_closed,
+            }
+            for name, one in found.held_out.items()
+        },
+        "numerics": {"cells_and_steps_K": dict(found.cells)},
+        "noise": dict(found.noise),
+        "parameters": {
+            name: {"before": before, "after": after}
+            for name, (before, after) in found.parameters.items()
+        },
+        "p_value": {"without": found.omnibus[0], "with": found.omnibus[1]},
+        "could_have_missed": {
+            name: {"strength": least, "unit": unit} for name, (least, unit) in found.missed.items()
+        },
+        "remarks": found.remarks,
+        "versions": versions(),
+    }
+
+
+def _round(one: Round) -> dict[str, Any]:
+    effect = one.effect
+    return {
+        "named": [effect.card.name] if len(one.together) == 1 else [],
+        "set": one.together,
+        "best": effect.card.name,
+        "strength": effect.strength,
+        "sd": effect.sd,
+        "interval95": list(effect.interval95),
+        "unit": effect.card.unit,
+        "location": None
+        if effect.centre is None
+        else {"centre": effect.centre.tolist(), "size": effect.size},
+        "p_value": one.p_value,
+        "gap_closed": one.closed,
+        "rms_before": dict(one.rms_before),
+        "rms_after": dict(one.rms_after),
+        "threshold": one.threshold,
+        "candidates": [_candidacy(item) for item in one.candidates],
+    }
+
+
+def _candidacy(one: Candidacy) -> dict[str, Any]:
+    return {
+        "name": one.card.name,
+        "score": one.score,
+        "strength": one.strength,
+        "sd": one.sd,
+        "unit": one.card.unit,
+        "visible": one.visible,
+        "left": one.left,
+        "excited_by": one.card.excited_by,
+        "hides_behind": one.card.hides_behind,
+        "split_by": one.card.split_by,
+    }
+
+
+def verdict_sentences(found: Verdict) -> list[str]:
+    """The verdict in words, temperatures [K]."""
+    told = {
+        "named": [_named(one.effect) for one in found.rounds],
+        "inseparable": [_inseparable(one) for one in found.rounds],
+        "none_of_mine": [_none(found)],
+        "no_gap": ["No gap: simulation and readings differ by no more than noise and numerics."],
+    }[found.verdict]
+    for name, one in found.held_out.items():
+        if found.rounds:
+            told.append(
+                f"On {name}, which was not fitted, the difference falls from {one.rms_before:.3g} "
+                f"to {one.rms_after:.3g} K, at a noise of {one.noise:.3g} K."
+            )
+    return [*told, *found.remarks]
+
+
+def _named(effect: Effect) -> str:
+    low, high = effect.interval95
+    place = ""
+    if effect.centre is not None:
+        at = ", ".join(f"{1e3 * one:.1f}" for one in effect.centre)
+        place = f", at ({at}) mm"
+    return (
+        f"Missing effect: {_spoken(effect.card.name)}, {effect.strength:.4g} {effect.card.unit} "
+        f"[{low:.4g}, {high:.4g}]{place}."
+    )
+
+
+def _inseparable(one: Round) -> str:
+    if len(one.together) == 1:
+        return _named(one.effect)
+    names = " from ".join(_spoken(name) for name in one.together)
+    return f"Cannot tell {names}. What would: {one.effect.card.split_by}."
+
+
+def _none(found: Verdict) -> str:
+    words = "A gap exists, and none of the candidates explains it"
+    if not found.rounds:
+        return f"{words}."
+    closest = found.rounds[0]
+    return (
+        f"{words}; the closest is {_spoken(closest.effect.card.name)}, "
+        f"which closes {100 * closest.closed:.0f} % of it."
+    )
+
+
+def _spoken(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def discovery_table(record: Mapping[str, Any]) -> str:
+    """The scores of all kinds, for the terminal."""
+    rows = [
+        [one["name"], one["score"], one["strength"], one["unit"], one["visible"]]
+        for one in record["candidates"]
+    ]
+    return table(rows, ["candidate", "score", "strength alone", "unit", "visible"])
+
+
+def write_discovery(out: Path, record: Mapping[str, Any]) -> None:
+    """Leaves `verdict.json` in a folder, and `verdict.html`, which is rendered from it."""
+    path = out / "verdict.json"
+    write_json(path, record)
+    title = f"{record['object']}: what is missing"
+    write_text(out / "verdict.html", discovery_page(json.loads(path.read_text("utf-8")), title))
