@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -37,7 +37,8 @@ MESH = box_mesh(SIZE, (3, 2, 2))
 SPACE = discretise(MESH)
 # Of the discretised body, which numbers its nodes in an order of its own [m].
 NODES = np.asarray(SPACE.mesh.nodes)
-STATED = Stated(conductivity=0.8, capacity=1.54e6, convection=25.0, emissivity=0.4)
+# Cells of this size resolve what goes on in a body that conducts as well as this.
+STATED = Stated(conductivity=3.0, capacity=1.54e6, convection=25.0, emissivity=0.4)
 AIR, HOT = 295.0, 335.0  # K
 OFF = 15.0  # s, when the lamp goes off
 FRAMES = np.linspace(0.0, 24.0, 9)  # s
@@ -63,12 +64,13 @@ def run(
     initial: float = AIR,
     lamp: dict[str, Any] | None = None,
     time: Values = FRAMES,
+    points: Values = POINTS,
     quiet: bool = False,
 ) -> Run:
     """A run whose readings are noise about the temperature that it begins at [K]."""
-    noise = np.random.default_rng(len(time)).normal(0, 0.02, (len(time) + 6, len(POINTS)))
+    noise = np.random.default_rng(len(time)).normal(0, 0.02, (len(time) + 6, len(points)))
     data = initial + noise
-    record = Recording(POINTS, time, data[6:], quiet=data[:6] if quiet else None)
+    record = Recording(points, time, data[6:], quiet=data[:6] if quiet else None)
     return Run(name, record, initial, AIR, AIR, None if lamp is None else Heater(**lamp))
 
 
@@ -101,72 +103,45 @@ def steps_of(model: Model) -> Sdirk2:
     return Sdirk2(iterations=2 if laws else 1)
 
 
-_solve = eqx.filter_jit(solve_heat)
+# Of small bodies and few steps, programs take longer to compile than to run.
+QUICKLY = {"xla_backend_optimization_level": 0}
 
 
-def solved(model: Model, under: Conditions, scheme: Sdirk2 | None = None) -> Values:
+_solve = eqx.filter_jit(solve_heat, compiler_options=QUICKLY)  # pyright: ignore[reportCallIssue]
+
+
+def solved(model: Model, under: Conditions) -> Values:
     """Temperatures of a model at every node [K], (frames, nodes).
 
     Models of one structure share a program, whatever their numbers are.
     """
-    scheme = steps_of(model) if scheme is None else scheme
+    # Numbers that are weakly typed, as made of a float, would make a program of their own.
+    arrays, others = eqx.partition(model, eqx.is_array)
+    model = eqx.combine(jax.tree.map(lambda leaf: jnp.asarray(leaf, leaf.dtype), arrays), others)
     first = under.start(len(NODES))
-    found = _solve(model, first, GRID, integrator=scheme, solver=SOLVER)
+    found = _solve(model, first, GRID, integrator=steps_of(model), solver=SOLVER)
     assert bool(found.converged)
     return np.asarray(found.temperature)
 
 
-def body_readings(candidates: tuple[Candidate, ...], under: Conditions) -> Values:
-    """What is read at every node [K], (frames, nodes), with candidates at work."""
-    body = jnp.asarray(solved(extend(bare(under), under, candidates), under))
-    return np.asarray(_read(body, under, candidates))
-
-
-def _read(body: jax.Array, under: Conditions, candidates: tuple[Candidate, ...]) -> jax.Array:
-    return read_as(body, jnp.asarray(FRAMES), under, jnp.zeros(body.shape[1]), candidates)
+# Linear without a law, so that one iteration a stage is exact there as two are.
+DARK = replace(STATED, emissivity=0.0)
 
 
 @cache
-def without(initial: float, power: float, iterations: int) -> Values:
+def without(initial: float, power: float, stated: Stated = STATED) -> Values:
     """Temperatures without candidates [K], from a start [K] under a lamp of a power [W]."""
     under = lit(power=power) if power else conditions(run(initial=initial), SPACE)
-    return solved(bare(under), under, Sdirk2(iterations=iterations))
+    return solved(bare(under, stated), under)
 
 
 def change(candidate: Candidate, under: Conditions) -> Values:
-    """By how much a candidate changes what is read [K], (frames, nodes)."""
-    # Another number of iterations is another scheme.
-    iterations = 2 if candidate.card.law else 1
-    before = without(float(under.initial), float(under.power), iterations)
-    return body_readings((candidate,), under) - before
-
-
-def order_of_remainder(
-    make: Callable[[jax.Array], Candidate],
-    under: Conditions,
-    where: jax.Array,
-    way: jax.Array,
-) -> float:
-    """Order in h of what a derivative of the readings along a way leaves over [1].
-
-    Arguments: `make`: from strengths to a candidate; `where`: strengths, `way`: a change of them,
-    each in the card's unit.
-    """
-
-    def readings(strength: jax.Array) -> jax.Array:
-        candidate = make(strength)
-        model = extend(bare(under), under, (candidate,))
-        first = under.start(len(NODES))
-        body = solve_heat(model, first, GRID, integrator=steps_of(model), solver=SOLVER)
-        return _read(body.temperature, under, (candidate,))
-
-    # One program for values and slopes.
-    push = jax.jit(lambda strength, way: jax.jvp(readings, (strength,), (way,)))
-    value, slope = push(where, way)
-    assert float(jnp.abs(slope).max()) > 1e-3
-    shares = 0.5 ** np.arange(1, 5)
-    rest = [jnp.linalg.norm(push(where + h * way, way)[0] - value - h * slope) for h in shares]
-    return float(np.polyfit(np.log(shares), np.log(rest), 1)[0])
+    """By how much a candidate changes what is read at every node [K], (frames, nodes)."""
+    stated = DARK if candidate.card.law else STATED
+    body = jnp.asarray(solved(extend(bare(under, stated), under, (candidate,)), under))
+    pinned = jnp.zeros(len(NODES))
+    read = read_as(body, jnp.asarray(FRAMES), under, pinned, (candidate,))
+    return np.asarray(read) - without(float(under.initial), float(under.power), stated)
 
 
 def power_into(model: Model, level: float, time: float) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import final
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -46,7 +47,9 @@ class Bench:
 
     def first(self, candidates: tuple[Candidate, ...]) -> Extended:
         """The point where the scene puts the fields, its candidates as they are [1]."""
-        return Extended(start(self.coarse), candidates)
+        # Of one type throughout: what is only weakly typed would be another program once moved.
+        point = Extended(start(self.coarse), candidates)
+        return jax.tree.map(lambda leaf: jnp.asarray(leaf, leaf.dtype), point)
 
 
 def set_up(task: Task) -> Bench:

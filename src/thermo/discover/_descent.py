@@ -13,9 +13,10 @@ from jaxtyping import Float, Int
 from thermo.discover._extended import Extended, columns, moved
 from thermo.inverse import Objective
 
-# Trials at the most, share of the loss and absolute gain [1] below which a fit has ended.
-_TRIALS: Final = 30
-_SHARE: Final = 1e-6
+# Trials at the most, share of the loss beyond noise and absolute gain [1] below which a fit has
+# ended.
+_TRIALS: Final = 20
+_SHARE: Final = 1e-4
 _GAIN: Final = 0.05
 
 
@@ -82,7 +83,8 @@ def descend(
         gain = here.loss - there.loss
         if np.isfinite(there.loss) and gain > 0:
             here, damping = there, damping / 10
-            if gain < max(_GAIN, _SHARE * here.loss) and damping < 1:
+            beyond = here.loss - 0.5 * len(here.residual)
+            if gain < max(_GAIN, _SHARE * beyond) and damping < 1:
                 break
         else:
             damping *= 10

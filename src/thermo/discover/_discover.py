@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 from scipy.stats import norm
 
-from thermo.discover._bench import Apart, Bench, measured, set_up, usual_errors
+from thermo.discover._bench import Apart, Bench, set_up, usual_errors
 from thermo.discover._candidate import Candidate
-from thermo.discover._descent import descend
-from thermo.discover._entries import field_entries
+from thermo.discover._descent import Ended
+from thermo.discover._extended import readings
 from thermo.discover._held_out import held_out
 from thermo.discover._library import library
 from thermo.discover._path import Say, by_shapes, search
 from thermo.discover._rounds import candidacies
 from thermo.discover._scores import ScoreTable
-from thermo.discover._search import Standing
-from thermo.discover._softening import blocks, error_columns
+from thermo.discover._search import Standing, fitted
+from thermo.discover._softening import blocks, error_columns, stamp_columns
 from thermo.discover._verdict import Verdict
 from thermo.errors import InputError
 from thermo.inverse import Meshing, Prior, Stepping, Uniform, unfitted, with_fields
@@ -28,6 +29,9 @@ from thermo.observe import Scene, estimate_noise
 
 FRAMES = 300
 """Frames of a run that are compared [1], as a slow sensor shows from frame to frame."""
+
+NODES = 6000
+"""About the most nodes of the mesh [1], whose errors are measured and taken off."""
 
 _UNPROVED: Final = "No run is held out, so that nothing is proved."
 
@@ -41,7 +45,7 @@ def discover(
     stepping: Stepping | None = None,
     meshing: Meshing | None = None,
     initial: dict[str, float] | None = None,
-    model_error: float = 0.01,
+    model_error: float = 0.005,
     candidates: Callable[[Mesh, float], tuple[Candidate, ...]] = library,
     say: Say = lambda words: None,
 ) -> Verdict:
@@ -66,7 +70,7 @@ def discover(
     """
     task = unfitted(
         data, runs, unknown, Uniform(), prior or Prior(), stepping or Stepping(most_frames=FRAMES),
-        meshing, initial, model_error=model_error,
+        meshing or Meshing(max_nodes=NODES), initial, model_error=model_error,
     )  # fmt: skip
     say("meshing")
     bench = set_up(task)
@@ -110,16 +114,21 @@ def _begin(bench: Bench, every: tuple[Candidate, ...], say: Say) -> tuple[Standi
     say("fitting what is stated")
     # Laws make another program, and stand in the point only where one of them is at work.
     point = bench.first(tuple(one for one in every if not one.card.law))
-    free = field_entries(point)
-    ended = descend(bench.coarse, point, free)
-    say("measuring what cells and steps make wrong")
-    bench = measured(bench, ended.point)
-    ended = descend(bench.coarse, ended.point, free)
-    left = usual_errors(bench, ended.point)
-    made = blocks(bench.coarse, bench.task, left)
-    errors = error_columns(made, bench.coarse, left, len(ended.residual))
     first = {one.card.name: one for one in every}
-    return Standing(bench, first, ended.point, (), ended, made, errors), left
+    nothing = Ended(point, np.zeros(0), np.zeros((0, 0)), np.inf)
+    standing = Standing(bench, first, point, (), nothing, [], np.zeros((0, 0)))
+    standing = fitted(standing, times=0)
+    say("measuring what cells and steps make wrong")
+    standing = fitted(standing, times=1)
+    bench, left = standing.bench, usual_errors(standing.bench, standing.point)
+    runs = blocks(bench.coarse, bench.task, left)
+    count = len(standing.ended.residual)
+    small = replace(standing.point, candidates=())
+    errors = (
+        error_columns(runs, bench.coarse, left, count),
+        stamp_columns(runs, bench.coarse, readings(bench.coarse, small), count),
+    )
+    return replace(standing, runs=runs, errors=np.concatenate(errors, 1)), left
 
 
 def _sizes(begun: Standing, left: Apart) -> dict[str, float]:

@@ -18,8 +18,11 @@ from thermo.inverse import Case, Objective, Parameters, case_temperatures, penal
 from thermo.inverse import whiten as whiten_errors
 from thermo.physics import AbstractAdjoint, ForwardOnly
 
-WIDTH = 12
-"""Directions that share one pass through each run [1]; one program serves any number of them."""
+FEW, WIDTH = 4, 12
+"""Directions that share one pass through each run [1]: two programs serve any number of them."""
+
+MANY = 32
+"""The same for strengths alone [1]."""
 
 
 @final
@@ -95,13 +98,53 @@ def columns(
     """Whitened residual [1] of readings and priors, and its slopes along ways of the entries."""
     parts = []
     value = np.zeros(0)
-    for begin in range(0, max(len(ways), 1), WIDTH):
-        some = ways[begin : begin + WIDTH]
-        filled = np.zeros((WIDTH, ways.shape[1]))
+    width = FEW if len(ways) <= FEW else WIDTH
+    for begin in range(0, max(len(ways), 1), width):
+        some = ways[begin : begin + width]
+        filled = np.zeros((width, ways.shape[1]))
         filled[: len(some)] = some
         value, slope = _columns(objective, point, jnp.asarray(filled))
         parts.append(np.asarray(slope)[:, : len(some)])
     return np.asarray(value), np.concatenate(parts, 1)
+
+
+@eqx.filter_jit
+def _signatures(
+    objective: Objective, point: Extended, ways: Float[Array, "ways strengths"]
+) -> Float[Array, "values ways"]:
+    flat, unravel = ravel_pytree([one.strength for one in point.candidates])
+
+    def at(strengths: Float[Array, " strengths"]) -> Extended:
+        pairs = zip(point.candidates, unravel(strengths), strict=True)
+        return with_candidates(point, tuple(replace(one, strength=some) for one, some in pairs))
+
+    def slopes(case: Case) -> Float[Array, "values ways"]:
+        def along(way: Float[Array, " strengths"]) -> Float[Array, " values"]:
+            return jax.jvp(lambda some: _white(objective, at(some), case), (flat,), (way,))[1]
+
+        return jax.vmap(along, out_axes=1)(ways)
+
+    parts = [jax.lax.map(slopes, case) for case in objective.cases]
+    return jnp.concatenate([part.reshape(-1, len(ways)) for part in parts])
+
+
+def signatures(
+    objective: Objective, point: Extended, ways: Float[np.ndarray, "ways strengths"]
+) -> Float[np.ndarray, "values ways"]:
+    """Slopes of the whitened readings [1] along ways of all strengths, one after the other.
+
+    Places stay where they are, so that their shapes are made once for all ways. Priors, which no
+    strength moves, follow with zeros.
+    """
+    parts = []
+    for begin in range(0, len(ways), MANY):
+        some = ways[begin : begin + MANY]
+        filled = np.zeros((MANY, ways.shape[1]))
+        filled[: len(some)] = some
+        parts.append(np.asarray(_signatures(objective, point, jnp.asarray(filled)))[:, : len(some)])
+    found = np.concatenate(parts, 1)
+    priors = penalty(objective, point.fields).size
+    return np.concatenate([found, np.zeros((priors, found.shape[1]))])
 
 
 @eqx.filter_jit

@@ -32,7 +32,7 @@ from thermo.mesh import Mesh
 
 # Places on the surface and inside; knots of a drift [1]. Sizes over the longest side [1].
 _PLACES: Final = 32
-_KNOTS: Final = 2
+_KNOTS: Final = 4
 _SIZE: Final = 0.12
 _DEPTHS: Final = (0.02, 0.05, 0.1)
 

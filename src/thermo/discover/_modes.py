@@ -29,7 +29,8 @@ def space_modes(points: Float[np.ndarray, "samples 3"]) -> Float[np.ndarray, "sa
     the body.
     """
     count = min(IN_SPACE, len(points))
-    reach = _RANGE * float(np.ptp(points, axis=0).max())
+    # Samples at one place have one shape.
+    reach = max(_RANGE * float(np.ptp(points, axis=0).max()), np.finfo(float).tiny ** 0.25)
     near = np.exp(-(squareform(pdist(points)) ** 2) / (2 * reach**2))
     values, vectors = np.linalg.eigh(near)
     return vectors[:, np.argsort(values)[::-1][:count]]

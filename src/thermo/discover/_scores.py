@@ -98,7 +98,9 @@ def score_table(
                 float(size[part].max() / max(raw[part].max(), 1e-300)),
             )
         )
-    unit = product[np.ix_(kept, kept)] / np.outer(size[kept], size[kept])
+    # One strength of several may show nothing.
+    length = np.where(size > 0, size, 1.0)[kept]
+    unit = product[np.ix_(kept, kept)] / np.outer(length, length)
     threshold = _threshold(unit, columns, scores, alpha, seed)
     return ScoreTable(scores, unseen, threshold, unit, columns)
 

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Final, final
 
+import jax
 import numpy as np
-from jax.flatten_util import ravel_pytree
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from thermo.discover._bench import Bench, measured, steps_for
 from thermo.discover._candidate import Candidate
@@ -22,13 +22,13 @@ from thermo.discover._entries import (
     free_entries,
     joined,
 )
-from thermo.discover._extended import Extended, columns
+from thermo.discover._extended import Extended, signatures
 from thermo.discover._projection import Projection, projection
 from thermo.discover._scores import Score, ScoreTable, credible, score_table
 from thermo.discover._softening import Block, omnibus, softened
 
 # Kinds that are refitted at the most, and those of which what cells make wrong is measured anew.
-_REFITTED: Final = 8
+_REFITTED: Final = 6
 _MEASURED: Final = 3
 # A kind is refitted where its score explains this share of what the best one does [1].
 _WORTH: Final = 0.05
@@ -36,6 +36,7 @@ _WORTH: Final = 0.05
 _NEAR: Final = 0.3
 
 Say = Callable[[str], None]
+Parts = Int[np.ndarray, " parts"]
 
 
 @final
@@ -44,7 +45,7 @@ class Standing:
     """Where the search stands: a point, which parts of its candidates are at work, and the fit.
 
     - `first`: every candidate by name, its places where it is looked for at first.
-    - `errors`: columns of what cells and steps may have left wrong, (values, runs) [1].
+    - `errors`: columns of what cells, steps and stamps may have left wrong, (values, errors) [1].
     """
 
     bench: Bench
@@ -53,7 +54,7 @@ class Standing:
     active: tuple[Active, ...]
     ended: Ended
     runs: list[Block]
-    errors: Float[np.ndarray, "values runs"]
+    errors: Float[np.ndarray, "values errors"]
 
     def soft(self) -> Float[np.ndarray, " values"]:
         """The residual [1], softened."""
@@ -81,13 +82,64 @@ def free_of(standing: Standing) -> Free:
 
 
 def fitted(standing: Standing, *, times: int) -> Standing:
-    """Least squares from where it stands; what cells make wrong is measured `times` before [1]."""
-    free = free_of(standing)
+    """Least squares from where it stands; what cells make wrong is measured `times` before [1].
+
+    Of effects with a place only those at work take part, and one of each other kind: all refits
+    share one program, and it is as small as that allows.
+    """
+    small, kept = _with_few_places(standing)
+    free = free_of(small)
     for number in range(max(times, 1)):
-        bench = measured(standing.bench, standing.point) if number < times else standing.bench
-        ended = descend(steps_for(bench.coarse, standing.point), standing.point, free)
-        standing = replace(standing, bench=bench, point=ended.point, ended=ended)
-    return standing
+        bench = measured(small.bench, small.point) if number < times else small.bench
+        ended = descend(steps_for(bench.coarse, small.point), small.point, free)
+        small = replace(small, bench=bench, point=ended.point, ended=ended)
+    back = tuple(
+        _put_back(one, few, kept[one.card.name])
+        for one, few in zip(standing.point.candidates, small.point.candidates, strict=True)
+    )
+    point = replace(small.point, candidates=back)
+    return replace(standing, bench=small.bench, point=point, ended=small.ended)
+
+
+def _with_few_places(standing: Standing) -> tuple[Standing, dict[str, Parts]]:
+    """The standing with few parts of effects with a place, and which they are."""
+    kept: dict[str, Parts] = {}
+    for one in standing.point.candidates:
+        name = one.card.name
+        busy = sorted(part for other, part in standing.active if other == name)
+        kept[name] = np.array(busy or [0]) if _has_places(one) else np.arange(len(one.strength))
+    candidates = tuple(_take(one, kept[one.card.name]) for one in standing.point.candidates)
+    first = {
+        name: _take(one, kept[name]) if name in kept else one
+        for name, one in standing.first.items()
+    }
+    active = tuple(
+        (
+            name,
+            int(np.searchsorted(kept[name], part)) if _has_places(standing.first[name]) else part,
+        )
+        for name, part in standing.active
+    )
+    point = replace(standing.point, candidates=candidates)
+    return replace(standing, point=point, first=first, active=active), kept
+
+
+def _has_places(one: Candidate) -> bool:
+    return one.place is not None and one.place.centre is not None
+
+
+def _take(one: Candidate, parts: Parts) -> Candidate:
+    if not _has_places(one):
+        return one
+    place = jax.tree.map(lambda leaf: leaf[parts], one.place)
+    return replace(one, strength=one.strength[parts], place=place)
+
+
+def _put_back(one: Candidate, few: Candidate, parts: Parts) -> Candidate:
+    if not _has_places(one):
+        return few
+    place = jax.tree.map(lambda all_, some: all_.at[parts].set(some), one.place, few.place)
+    return replace(one, strength=one.strength.at[parts].set(few.strength), place=place)
 
 
 def nuisances(standing: Standing) -> Projection:
@@ -127,12 +179,12 @@ def _signatures(
     standing: Standing, point: Extended, found: list[Entry]
 ) -> Float[np.ndarray, "values columns"]:
     """Slopes by the strengths of parts, each by its typical strength [1]."""
-    count = len(ravel_pytree(point)[0])
-    numbers = np.concatenate([entry.strengths for entry in found])
+    every = np.concatenate([one.strengths for one in entries(point)])
+    numbers = np.searchsorted(every, np.concatenate([one.strengths for one in found]))
     sizes = np.concatenate([np.full(len(e.strengths), e.card.typical) for e in found])
-    ways = np.zeros((len(numbers), count))
+    ways = np.zeros((len(numbers), len(every)))
     ways[np.arange(len(numbers)), numbers] = sizes
-    return columns(steps_for(standing.bench.coarse, point), point, ways)[1]
+    return signatures(steps_for(standing.bench.coarse, point), point, ways)
 
 
 @final

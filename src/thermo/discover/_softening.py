@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import Final, final
 
+import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Array, Float
 
 from thermo.discover._bench import Apart
 from thermo.discover._extended import whitened
 from thermo.discover._modes import space_modes, time_modes
 from thermo.inverse import DEFECT_LEFT, Objective, Task
+
+STAMP: Final = 0.02
+"""Standard deviation of what the stamps of a run's frames may all be off by, over the distance of
+frames [1]: exposure, read-out and the lamp's switch are known no better."""
 
 
 @final
@@ -41,8 +46,9 @@ def blocks(objective: Objective, task: Task, left: Apart) -> list[Block]:
     """The runs of an objective, and how far each is to be softened.
 
     A third of what cells and steps make wrong, `left` [K], may be left in the finer runs that the
-    residual is measured against, spread at random over the smooth shapes: the variance of each is
-    1 + tau^2, tau^2 the energy of that error over the number of shapes.
+    residual is measured against, and the task's `model_error` [K] comes from elsewhere: geometry,
+    lamps, clocks. Both are spread at random over the smooth shapes: the variance of each is
+    1 + tau^2, tau^2 the energy of those errors over the number of shapes.
 
     Source: Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001) 425, a discrepancy of the model.
     """
@@ -58,7 +64,8 @@ def blocks(objective: Objective, task: Task, left: Apart) -> list[Block]:
             across = np.zeros((used.shape[1], modes.shape[1]))
             across[: len(points)] = modes
             along = time_modes(len(used))
-            energy = float(np.sum((DEFECT_LEFT * weight * used * apart) ** 2))
+            wrong = (DEFECT_LEFT * apart) ** 2 + task.model_error**2
+            energy = float(np.sum(weight**2 * used * wrong))
             spread = energy / (along.shape[1] * across.shape[1])
             share = 1 - 1 / np.sqrt(1 + spread)
             part = slice(begin, begin + used.size)
@@ -99,4 +106,31 @@ def error_columns(
     made = np.zeros((count, len(runs)))
     for number, block in enumerate(runs):
         made[block.part, number] = DEFECT_LEFT * white[block.part]
+    return made
+
+
+def stamp_columns(
+    runs: list[Block],
+    objective: Objective,
+    read: Sequence[Float[Array, "runs frames samples"]],
+    count: int,
+) -> Float[np.ndarray, "values runs"]:
+    """A column for each run: what it would read were its stamps off by `STAMP`, whitened [1].
+
+    Arguments: `read`: what is read at the standing [K]; `count` as in `error_columns`.
+    """
+    slopes = []
+    for case, group in zip(objective.cases, read, strict=True):
+        rows = []
+        for when, one in zip(np.asarray(case.time), np.asarray(group), strict=True):
+            # Frames that a shorter run lacks repeat its last one.
+            own = slice(len(np.unique(when)))
+            apart = np.zeros_like(one)
+            apart[own] = np.gradient(one[own], when[own], axis=0)
+            rows.append(STAMP * np.median(np.diff(when[own])) * apart)
+        slopes.append(jnp.asarray(np.stack(rows)))
+    white = np.asarray(whitened(objective, slopes))
+    made = np.zeros((count, len(runs)))
+    for number, block in enumerate(runs):
+        made[block.part, number] = white[block.part]
     return made

@@ -37,7 +37,7 @@ class Candidacy:
 
     - `score`: in standard deviations [1]; `strength`, `sd`: predicted, in the card's unit.
     - `visible`: share of its signature that the unknowns do not swallow [1].
-    - `left`: share of the gap that is left with it [1]; None where it was not refitted.
+    - `left`: share of what the best explains that it does not [1]; None where it was not refitted.
     """
 
     card: Card

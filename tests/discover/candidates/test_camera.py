@@ -116,7 +116,7 @@ def test_the_slope_by_a_lag_that_is_absent_is_the_slope_before_each_frame() -> N
 
 
 def test_the_slope_by_a_lag_leaves_a_square() -> None:
-    body = jnp.asarray(without(AIR, 1.2, 1))
+    body = jnp.asarray(without(AIR, 1.2))
 
     def at(strength: jax.Array) -> jax.Array:
         return SensorLag(strength).to_readings(body, jnp.asarray(FRAMES), lit())

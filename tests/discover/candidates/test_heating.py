@@ -11,7 +11,6 @@ import pytest
 from lit_box import (
     AIR,
     FRAMES,
-    LAMP,
     NODES,
     OFF,
     SPACE,
@@ -86,7 +85,7 @@ def test_hidden_sources_release_their_strengths_all_the_time(time: float, level:
 @pytest.mark.parametrize("share", [0.2, -0.5])
 def test_heater_power_is_a_share_of_the_lamp_s(share: float) -> None:
     moved = change(HeaterPower(one(share)), lit())
-    wanted = without(AIR, 1.2 * (1 + share), 1) - without(AIR, 1.2, 1)
+    wanted = without(AIR, 1.2 * (1 + share)) - without(AIR, 1.2)
     np.testing.assert_allclose(moved, wanted, rtol=0, atol=1e-9)
     assert np.sign(share) * moved[-1, LIT] > 0.5
 
@@ -95,7 +94,7 @@ def test_heater_lag_is_the_rise_of_a_lamp() -> None:
     moved = change(HeaterLag(one(3.0)), lit())
     slow = lit(rise=3.0)
     np.testing.assert_allclose(
-        moved, solved(bare(slow), slow) - without(AIR, 1.2, 1), rtol=0, atol=1e-9
+        moved, solved(bare(slow), slow) - without(AIR, 1.2), rtol=0, atol=1e-9
     )
     late = (FRAMES > 0) & (FRAMES <= OFF)
     assert np.all(moved[late, LIT] < -0.1), "a lamp that warms up brings less at first"
@@ -144,7 +143,7 @@ def test_light_that_reaches_below_the_surface_cools_it_and_warms_what_is_below()
     store = assemble(bare(lit()))
     more, all_of_it = (
         float(jnp.sum(stored_heat(store, jnp.asarray(rise))))
-        for rise in (moved[2], without(AIR, 1.2, 1)[2] - AIR)
+        for rise in (moved[2], without(AIR, 1.2)[2] - AIR)
     )
     assert abs(more) < 0.02 * all_of_it
 
@@ -164,10 +163,6 @@ def test_light_falls_off_with_depth() -> None:
     assert depth[0] < depth[1]
 
 
-@pytest.mark.xfail(
-    reason="in-depth absorption takes the stated power and schedule, not those of the lamps",
-    strict=True,
-)
 def test_light_below_the_surface_is_that_of_a_lamp_that_is_stronger() -> None:
     under = lit()
     both = (HeaterPower(one(0.2)), in_depth(0.0, 1.0, 0.0))

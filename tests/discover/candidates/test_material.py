@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from lit_box import (
+    DARK,
     FRAMES,
     NODES,
     OFF,
@@ -24,11 +24,10 @@ from lit_box import (
     lit,
     nearest,
     one,
-    order_of_remainder,
     solved,
 )
 
-from thermo.discover import Candidate, Place
+from thermo.discover import AbstractHeatCandidate, Place
 from thermo.discover.candidates import (
     AnisotropicConductivity,
     TemperatureDependentConductivity,
@@ -37,13 +36,14 @@ from thermo.discover.candidates import (
 )
 from thermo.discover.candidates._material import REFERENCE
 from thermo.inverse import Conditions
+from thermo.physics._quadrature import tetrahedron_rule
 from thermo.physics.effects import PolynomialLaw
 
 MIDDLE = (0.013, 0.006, 0.003)  # m, below the lit spot
 LIT, BELOW = nearest((0.013, 0.006, 0.008)), nearest((0.013, 0.006, 0.0))
 BEGUN = (FRAMES > 4) & (FRAMES <= OFF)
 
-MADE: dict[str, Callable[[float], Candidate]] = {
+MADE: dict[str, Callable[[float], AbstractHeatCandidate]] = {
     "temperature_dependent_conductivity": lambda value: TemperatureDependentConductivity(
         one(value)
     ),
@@ -88,18 +88,16 @@ def test_heat_goes_further_along_an_axis_that_conducts_better() -> None:
     along_x = change(AnisotropicConductivity(jnp.asarray([1.0, 0.0, 0.0])), lit())
     along_z = change(MADE["anisotropic_conductivity"](1.0), lit())
     end = nearest((0.0, 0.006, 0.008))
-    assert along_x[-1, end] > 0.05 and along_z[-1, BELOW] > 0.5
-    assert along_x[-1, BELOW] < 0, "what goes sideways does not go down"
+    assert np.all(along_x[BEGUN, end] > 0.05) and np.all(along_z[BEGUN, BELOW] > 0.2)
+    assert np.all(along_x[BEGUN, BELOW] < 0), "what goes sideways does not go down"
 
 
 def test_a_void_shields_what_is_behind_it() -> None:
-    assert np.all(change(MADE["void"](0.9), lit())[BEGUN, BELOW] < -0.05)
+    assert np.all(change(MADE["void"](0.9), lit())[BEGUN, BELOW] < -0.02)
 
 
 @given(st.floats(-0.05, 0.05), st.floats(250.0, 400.0))
-def test_laws_are_straight_lines_through_one_at_the_reference(
-    slope: float, level: float
-) -> None:
+def test_laws_are_straight_lines_through_one_at_the_reference(slope: float, level: float) -> None:
     under = hot()
     conducts = TemperatureDependentConductivity(one(slope)).to_model(bare(under), under)
     stores = TemperatureDependentHeatCapacity(one(slope)).to_model(bare(under), under)
@@ -115,11 +113,9 @@ def test_laws_act_as_those_of_a_model(name: str) -> None:
     under = lit()
     law = PolynomialLaw(jnp.asarray([1.0, 4e-3]), 293.15)
     changes = {"conductivity_law": law} if name == "conductivity" else {"capacity_law": law}
-    by_hand = replace(bare(under), **changes)
-    made = MADE[f"temperature_dependent_{name}"](4e-3).to_model(bare(under), under)
-    np.testing.assert_allclose(
-        solved(made, under), solved(by_hand, under), rtol=0, atol=1e-9
-    )
+    by_hand = replace(bare(under, DARK), **changes)
+    made = MADE[f"temperature_dependent_{name}"](4e-3).to_model(bare(under, DARK), under)
+    np.testing.assert_allclose(solved(made, under), solved(by_hand, under), rtol=0, atol=1e-9)
 
 
 def test_one_strength_along_all_axes_is_a_conductivity() -> None:
@@ -135,18 +131,41 @@ def test_a_tensor_has_its_strengths_along_the_axes() -> None:
     np.testing.assert_allclose(made.conductivity, np.tile(wanted, (len(SPACE.mesh.cells), 1, 1)))
 
 
-MIDDLES = NODES[SPACE.mesh.cells].mean(1)
+def factor_of(candidate: Void) -> np.ndarray:
+    """What is left of the conductivity in each cell [1]."""
+    conductivity = candidate.to_model(bare(hot()), hot()).conductivity
+    return np.asarray(conductivity) / STATED.conductivity
 
 
-@given(st.lists(st.floats(0.0, 3.0), min_size=2, max_size=2), st.floats(0.001, 0.1))
-def test_voids_leave_a_little_conductivity(strengths: list[float], size: float) -> None:
-    places = Place(jnp.asarray([MIDDLE, (0.004, 0.006, 0.004)]), jnp.asarray([size, 0.003]))
-    model = Void(jnp.asarray(strengths), places).to_model(bare(hot()), hot())
-    factor = np.asarray(model.conductivity) / STATED.conductivity
+@given(
+    st.lists(st.floats(0.0, 3.0), min_size=2, max_size=2),
+    st.lists(st.floats(0.001, 0.1), min_size=3, max_size=3),
+)
+def test_voids_leave_a_little_conductivity(strengths: list[float], sizes: list[float]) -> None:
+    centres = jnp.asarray([MIDDLE, (0.004, 0.006, 0.004)])
+    places = Place(centres, jnp.asarray([sizes, [0.003] * 3]))
+    factor = factor_of(Void(jnp.asarray(strengths), places))
     assert factor.min() > 1e-4 * (1 - 1e-12) and factor.max() <= 1
-    distance = ((MIDDLES[:, None] - np.asarray(places.centre)) ** 2).sum(-1)
-    shape = np.exp(-distance / (2 * np.asarray(places.size) ** 2))
-    np.testing.assert_allclose(factor, np.maximum(1 - shape @ strengths, 1e-4), atol=1e-12)
+    alone = factor_of(Void(jnp.asarray([strengths[0], 0.0]), places))
+    assert np.all(factor <= alone + 1e-12)
+
+
+@given(st.lists(st.floats(0.012, 0.1), min_size=3, max_size=3))
+def test_a_void_is_a_box_with_rounded_edges(sizes: list[float]) -> None:
+    place = Place(jnp.asarray([MIDDLE]), jnp.asarray([sizes]))
+    points, weights = tetrahedron_rule(12)
+    corners = NODES[SPACE.mesh.cells]
+    inside = np.einsum("pa,cax->cpx", points, corners)
+    box = np.exp(-((((inside - np.array(MIDDLE)) / sizes) ** 4).sum(-1))) @ weights
+    found = factor_of(Void(one(0.9), place))
+    np.testing.assert_allclose(found, 1 - 0.9 * box, atol=0.02)
+
+
+def test_a_void_of_one_size_is_one_of_equal_sizes() -> None:
+    even = Place(jnp.asarray([MIDDLE]), jnp.full((1, 3), 0.004))
+    first, second = (factor_of(Void(one(0.9), place)) for place in (at(MIDDLE, 0.004), even))
+    np.testing.assert_allclose(first, second, rtol=1e-14)
+    assert first.min() < 0.5 and first.max() > 0.999
 
 
 def test_a_void_in_a_body_whose_conductivity_is_a_tensor() -> None:
@@ -156,10 +175,3 @@ def test_a_void_in_a_body_whose_conductivity_is_a_tensor() -> None:
     alone = MADE["void"](0.8).to_model(bare(under), under)
     ratio = np.asarray(both.conductivity) / np.asarray(alone.conductivity)[:, None, None]
     np.testing.assert_allclose(ratio, np.tile(np.diag([1.0, 1.0, 2.0]), (len(ratio), 1, 1)))
-
-
-def test_the_derivative_by_the_strength_of_a_void_leaves_a_square() -> None:
-    def make(strength: jax.Array) -> Candidate:
-        return Void(strength, at(MIDDLE, 0.003))
-
-    assert order_of_remainder(make, lit(), one(0.4), one(0.3)) > 1.9

@@ -23,7 +23,6 @@ from lit_box import (
     lit,
     nearest,
     one,
-    order_of_remainder,
     resting,
     solved,
 )
@@ -64,7 +63,8 @@ MADE: dict[str, Callable[[float], Candidate]] = {
     "radiation": lambda value: MissingRadiation(one(value)),
     "local_convection": lambda value: LocalConvection(one(value), at(TOP, 0.004)),
     "support_contact": lambda value: supported(on_side(2, value)),
-    "backing_conduction": lambda value: BackingConduction(on_side(2, value)),
+    # Behind the lit side, as coarse cells ripple where nothing has come yet.
+    "backing_conduction": lambda value: BackingConduction(on_side(5, value)),
     "ambient_drift": lambda value: drift(0.5 * value, value),
     "evaporation": lambda value: Evaporation(one(value)),
 }
@@ -99,7 +99,7 @@ def test_a_strength_cools_or_warms(
 ) -> None:
     moved = sign * change(MADE[name](strength), under)
     assert np.all(moved[0] == 0), "a body begins as it does without"
-    assert moved[-1].mean() > 0.02 and moved[1:].mean(1).min() > 0
+    assert moved[-1].mean() > 0.05 and moved[1:].mean(1).min() > 0
     # Ahead of a front, coarse cells ripple: in the end it has passed.
     assert moved[-1].min() > -0.02 * moved[-1].max()
 
@@ -238,17 +238,3 @@ def test_vapour_falls_off_as_its_slope_says() -> None:
     dew = float(np.interp(humid, np.asarray(saturation(jnp.linspace(270.0, AIR, 5001))),
                           np.linspace(270.0, AIR, 5001)))  # fmt: skip
     assert abs(float(vapour.flux(jnp.asarray([[dew]]), 0.0)[0, 0])) < 1e-3
-
-
-@pytest.mark.parametrize(
-    ("make", "where", "way"),
-    [
-        (MissingRadiation, 0.3, 0.3),
-        (lambda strength: LocalConvection(strength, at(TOP, 0.004)), 50.0, 50.0),
-    ],
-    ids=["radiation", "local_convection"],
-)
-def test_the_derivative_by_the_strength_leaves_a_square(
-    make: Callable[[jax.Array], Candidate], where: float, way: float
-) -> None:
-    assert order_of_remainder(make, hot(), one(where), one(way)) > 1.9

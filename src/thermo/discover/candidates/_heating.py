@@ -129,8 +129,12 @@ class InDepthAbsorption(AbstractHeatCandidate):
         shapes = lit * jnp.exp(-below / self.place.size[:, None])
         total = shapes @ volume
         density = (self.strength / jnp.where(total > 0, total, 1.0)) @ shapes
-        source = VolumetricSource(under.power * density, under.schedule)
+        sources = tuple(
+            VolumetricSource(lamp.power * density, lamp.schedule)
+            for lamp in model.surface
+            if isinstance(lamp, Heating)
+        )
         less = _lamps(
             model, lambda lamp: replace(lamp, power=(1 - self.strength.sum()) * lamp.power)
         )
-        return replace(less, volume=(*model.volume, source))
+        return replace(less, volume=(*model.volume, *sources))

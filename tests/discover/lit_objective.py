@@ -1,0 +1,51 @@
+"""The residual of two runs of a small box, one of which has fewer frames and samples."""
+
+from __future__ import annotations
+
+import jax.numpy as jnp
+import numpy as np
+from lit_box import FRAMES, HOT, LAMP, MESH, POINTS, SPACE, STATED, run
+
+from thermo.fields import QUANTITIES
+from thermo.inverse import Case, Objective, OnControlPoints
+from thermo.inverse._case import group_cases, make_case, stack_cases
+from thermo.inverse._objective import FieldPrior
+from thermo.observe import Run
+from thermo.physics import ConjugateGradient, every_step, uniform_steps
+from thermo.physics.integrators import Sdirk2
+
+RUNS = (
+    run("lamp", lamp=LAMP, quiet=True),
+    # Its frames are read between steps, and it is filled up to the length of the other.
+    run("cooling", initial=HOT, time=FRAMES[:-3] + 0.25, points=POINTS[:3]),
+)
+
+
+def case(one: Run) -> Case:
+    """A run with few steps, between which its frames are read."""
+    time = one.recording.time
+    grid = uniform_steps(time, float(time[-1]))
+    steps = every_step(uniform_steps(time[-1:], 4.0, one.switches()))
+    return make_case(one, SPACE, grid, steps=steps, model_error=0.01, where="scene.json")
+
+
+def objective(runs: tuple[Run, ...] = RUNS, controls: int = 3) -> Objective:
+    """Runs over a field of conductivity."""
+    choice = OnControlPoints(count=controls)
+    field, pairs = choice.make(QUANTITIES["conductivity"], MESH, 2.0, 0)
+    prior = FieldPrior(
+        jnp.asarray(pairs), jnp.asarray(0.3), jnp.asarray(3.0), jnp.asarray(0.1), jnp.asarray(0.1)
+    )
+    cases = [case(one) for one in runs]
+    return Objective(
+        SPACE, STATED, {"conductivity": field}, {"conductivity": prior}, stack_cases(cases),
+        Sdirk2(), ConjugateGradient(rtol=1e-12),
+        sequence=tuple(number for group in group_cases(cases) for number in group),
+    )  # fmt: skip
+
+
+def parts(of: Objective) -> list[slice]:
+    """Of each run its part of the residual."""
+    sizes = [np.size(used) for one in of.cases for used in np.asarray(one.used)]
+    ends = np.cumsum([0, *sizes])
+    return [slice(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]

@@ -1,0 +1,49 @@
+"""A verdict as plain data and in words."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from verdicts import verdict
+
+from thermo.report import discovery_record, discovery_table, write_discovery
+
+WORDS = {
+    "named": "Missing effect: hidden source, 1.25 W [1.211, 1.289], at (10.0, 0.0, 4.0) mm.",
+    "inseparable": "Cannot tell hidden source from sensor lag. What would: a run without a lamp",
+    "none_of_mine": "explains it; the closest is hidden source, which closes 40 %",
+    "no_gap": "No gap: simulation and readings differ by no more than noise and numerics.",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("word", WORDS)
+def test_each_verdict_says_what_it_is(word: str) -> None:
+    record = discovery_record(verdict(word))
+    assert record["verdict"] == word and WORDS[word] in " ".join(record["sentences"])
+    named = ["hidden_source"] if word in ("named", "inseparable") else []
+    assert record["effects"] == named and record["remarks"] == ["A remark."]
+    proof = " ".join(record["sentences"])
+    assert ("falls from 0.4 to 0.055 K" in proof) == (word != "no_gap")
+
+
+def test_the_contract_of_a_round() -> None:
+    (one,) = discovery_record(verdict("named"))["rounds"]
+    assert one["named"] == one["set"] == ["hidden_source"] and one["unit"] == "W"
+    assert one["location"] == {"centre": [0.01, 0.0, 0.004], "size": 0.005}
+    assert one["rms_before"]["lamp"] == 0.5 and one["rms_after"]["lamp"] == 0.05
+    (other,) = discovery_record(verdict("inseparable"))["rounds"]
+    assert other["named"] == [] and other["set"] == ["hidden_source", "sensor_lag"]
+    record = discovery_record(verdict("named"))
+    assert record["could_have_missed"]["void"] == {"strength": None, "unit": "1"}
+    assert record["held_out"]["other"]["gap_closed"] == 0.97
+    assert "hidden_source" in discovery_table(record)
+
+
+def test_files_and_page_are_left(tmp_path: Path) -> None:
+    record = discovery_record(verdict("named")) | {"object": "a cup", "seconds": 3.0}
+    write_discovery(tmp_path, record)
+    assert json.loads((tmp_path / "verdict.json").read_text())["effects"] == ["hidden_source"]
+    page = (tmp_path / "verdict.html").read_text("utf-8")
+    assert "a cup: what is missing" in page and WORDS["named"] in page

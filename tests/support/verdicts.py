@@ -1,0 +1,52 @@
+"""Verdicts made by hand."""
+
+from __future__ import annotations
+
+import jax.numpy as jnp
+import numpy as np
+
+from thermo.discover import Candidacy, Effect, HeldOut, Round, Verdict
+from thermo.discover._extended import Extended
+from thermo.discover.candidates import HiddenSource, SensorLag
+
+SOURCE, LAG = HiddenSource.card, SensorLag.card
+
+
+def candidacies() -> list[Candidacy]:
+    """A source that is seen and refitted, and a lag that is not."""
+    return [
+        Candidacy(SOURCE, 40.0, 1.3, 0.03, 0.8, 0.0),
+        Candidacy(LAG, 0.4, 0.01, 0.02, 0.9, None),
+    ]
+
+
+def one_round(together: list[str], closed: float) -> Round:
+    """A source at a place."""
+    centre = np.array([0.01, 0.0, 0.004])
+    effect = Effect(SOURCE, 1.25, 0.02, (1.2108, 1.2892), centre, 0.005)
+    before, after = {"lamp": 0.5, "cooling": 0.2}, {"lamp": 0.05, "cooling": 0.06}
+    return Round(candidacies(), 3.1, effect, together, 1e-30, before, after, closed)
+
+
+def verdict(word: str) -> Verdict:
+    """One of each of the four words."""
+    rounds = {
+        "named": [one_round(["hidden_source"], 0.99)],
+        "inseparable": [one_round(["hidden_source", "sensor_lag"], 0.99)],
+        "none_of_mine": [one_round(["hidden_source"], 0.4)],
+        "no_gap": [],
+    }[word]
+    return Verdict(
+        verdict=word,  # type: ignore[arg-type]
+        rounds=rounds,
+        candidates=candidacies(),
+        threshold=3.1,
+        held_out={"other": HeldOut(0.4, 0.055, 0.05, 0.97)},
+        missed={"sensor_lag": (0.06, "s"), "void": (None, "1")},
+        cells={"lamp": 0.004, "cooling": 0.001},
+        noise={"lamp": 0.05, "cooling": 0.05},
+        parameters={"conductivity": (2.2, 2.0)},
+        omnibus=(1e-9, 0.4),
+        point=Extended({"conductivity": jnp.zeros(1)}, ()),
+        remarks=["A remark."],
+    )
