@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -83,6 +84,38 @@ def test_the_threshold_lies_between_those_of_one_score_and_of_independent_ones(m
     assert norm.isf(ALPHA) < table.threshold < norm.isf(ALPHA / (2 * len(FOUND)))
     assert table.threshold < made.table(made.noise(0), 0.01).threshold
     assert table.threshold == made.table(made.noise(1)).threshold, "data do not enter"
+
+
+@pytest.mark.parametrize("alpha", [0.05, 0.01])
+@pytest.mark.parametrize(
+    ("count", "low", "alike", "wanted"),
+    [
+        # Of one score, on both sides and on one.
+        (1, -np.inf, False, lambda alpha: norm.isf(alpha / 2)),
+        (1, 0.0, False, norm.isf),
+        # Of several that are all the same, and of several that have nothing in common.
+        (8, -np.inf, True, lambda alpha: norm.isf(alpha / 2)),
+        (8, -np.inf, False, lambda alpha: norm.isf((1 - (1 - alpha) ** (1 / 8)) / 2)),
+        (8, 0.0, False, lambda alpha: norm.isf(1 - (1 - alpha) ** (1 / 8))),
+    ],
+    ids=["both_sides", "one_side", "alike", "apart", "apart_one_side"],
+)
+def test_known_thresholds(
+    alpha: float, count: int, low: float, alike: bool, wanted: Callable[[float], float]
+) -> None:
+    signatures = 3 * np.eye(VALUES)[:, [0] * count if alike else range(count)]
+    found = [entry(number, card("some", low=low), number) for number in range(count)]
+    none = projection(np.zeros((VALUES, 0)), np.zeros((VALUES, 0)))
+    table = score_table(found, signatures, np.zeros(VALUES), none, alpha=alpha)
+    # Drawn 4000 times: the chance is right to a tenth of 5 %, and to a fifth of 1 %.
+    assert table.threshold == pytest.approx(wanted(alpha), abs=0.1)
+
+
+def test_the_threshold_of_a_history_is_that_of_one_score(made: Made) -> None:
+    signatures = made.signatures[:, 3:6]
+    found = [entry(0, FOUND[3].card, 0, 1, 2)]
+    table = score_table(found, signatures, made.noise(0), made.nuisances(), alpha=ALPHA)
+    assert table.threshold == pytest.approx(norm.isf(ALPHA / 2), abs=0.1)
 
 
 def test_scores_of_noise_are_normal(made: Made) -> None:

@@ -24,7 +24,7 @@ class Score:
     """What the data say of one part of a candidate, linearised where it is absent.
 
     - `entry`; `z`: score in standard deviations, a normal equivalent where strengths are joint [1].
-    - `strength`: predicted, (strengths,) in the card's unit; `sd`: of the first of them.
+    - `strength`: predicted, (strengths,) in the card's unit; `sd`: of the last of them.
     - `visible`: share of the signature that the unknowns do not swallow [1].
     """
 

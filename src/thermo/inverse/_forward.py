@@ -163,7 +163,9 @@ def _each(
         extend(make_model(space, bodies[name], under), under, additions) for name in different
     ]
     ends, time = np.asarray(grid.frame_time), run.recording.time
-    pinned = jnp.asarray(float(run.recording.quiet is not None))
+    # As `constant_error` has it: fewer quiet frames do not tell what a sample's error is.
+    quiet = run.recording.quiet
+    pinned = jnp.asarray(float(quiet is not None and len(quiet) >= 3))
     found = {}
     for name, values in zip(different, solve_each(models, under, grid, readout), strict=True):
         at = jnp.asarray(between_steps(ends, values, time, run.switches()))
