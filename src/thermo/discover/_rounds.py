@@ -46,7 +46,8 @@ def make_round(before: Standing, made: list[Refit], table: ScoreTable) -> Round:
         p_value=float(chi2.sf(gain, free)),
         rms_before=rms(before),
         rms_after=rms(best.standing),
-        closed=float((told - rest) / max(told - count, 1.0)),
+        # A gap within the scatter of noise is no measure: that scatter is then.
+        closed=float((told - rest) / max(told - count, np.sqrt(2 * count))),
     )
 
 
