@@ -51,10 +51,7 @@ class Place(eqx.Module):
 
     def shapes(self, at: Float[Array, "*any 3"]) -> Float[Array, "places *any"]:
         """Share of each place's full strength [1] at points [m]."""
-        assert self.centre is not None, "a depth has no shape of its own"
-
-        each = [jnp.exp(-jnp.sum(way**2, -1) / 2) for way in self._ways(at)]
-        return jnp.stack(each)
+        return jnp.stack([jnp.exp(-jnp.sum(way**2, -1) / 2) for way in self._ways(at)])
 
     def boxes(self, at: Float[Array, "*any 3"]) -> Float[Array, "places *any"]:
         """The same with exp(-sum of (way / size)^4), a box with rounded edges [1]."""
@@ -113,8 +110,3 @@ def cell_points(space: Discretisation) -> Float[Array, "points cells 3"]:
     near, far = (5 + 3 * 5**0.5) / 20, (5 - 5**0.5) / 20
     weight = jnp.full((4, 4), far) + (near - far) * jnp.eye(4)
     return jnp.einsum("pa,cax->pcx", weight, corners)
-
-
-def cell_middles(space: Discretisation) -> Float[Array, "cells 3"]:
-    """Middles of the cells [m]."""
-    return jnp.asarray(space.mesh.nodes[space.mesh.cells[:, :4]].mean(1))

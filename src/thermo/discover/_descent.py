@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, final
 
@@ -56,9 +55,7 @@ class Ended:
     loss: float
 
 
-def descend(
-    objective: Objective, point: Extended, free: Free, tick: Callable[[], None] = lambda: None
-) -> Ended:
+def descend(objective: Objective, point: Extended, free: Free) -> Ended:
     """Levenberg-Marquardt in scaled entries; a step that meets a bound ends on it.
 
     Source: Madsen, Nielsen and Tingleff, Methods for Non-Linear Least Squares Problems (2004), 3.2.
@@ -68,7 +65,6 @@ def descend(
     here = _at(objective, point, ways)
     damping = 1e-3
     for _ in range(_TRIALS):
-        tick()
         normal = here.slopes.T @ here.slopes
         slope = here.slopes.T @ here.residual
         level = damping * np.diag(normal) + 1e-9 * np.diag(normal).max() + 1e-12

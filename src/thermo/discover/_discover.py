@@ -16,10 +16,10 @@ from thermo.discover._descent import Ended
 from thermo.discover._extended import readings
 from thermo.discover._held_out import held_out
 from thermo.discover._library import library
-from thermo.discover._path import Say, by_shapes, search
+from thermo.discover._path import by_shapes, search
 from thermo.discover._rounds import candidacies
 from thermo.discover._scores import ScoreTable
-from thermo.discover._search import Standing, fitted
+from thermo.discover._search import Say, Standing, fitted
 from thermo.discover._softening import blocks, error_columns, stamp_columns
 from thermo.discover._verdict import Verdict
 from thermo.errors import InputError

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, final
 
@@ -11,7 +10,7 @@ from scipy.stats import chi2
 from thermo.discover._candidate import Candidate
 from thermo.discover._rounds import make_round
 from thermo.discover._scores import ScoreTable, credible
-from thermo.discover._search import Standing, refits, scored, with_all
+from thermo.discover._search import Say, Standing, refits, scored, with_all
 from thermo.discover._verdict import Round, Word
 
 # Chance of a false alarm by the largest score, and by the misfit in smooth shapes [1]; each round
@@ -25,8 +24,6 @@ _CLOSED: Final = 0.9
 _WORTH: Final = 0.5
 # What an effect's place is like is a guess: 15 % of its amplitude may be left by that, squared [1].
 _SHAPE: Final = 0.02
-
-Say = Callable[[str], None]
 
 
 @final

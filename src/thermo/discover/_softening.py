@@ -59,7 +59,6 @@ def blocks(objective: Objective, task: Task, left: Apart) -> list[Block]:
         ):
             run = task.runs[next(order)]
             points = run.recording.points
-            across = np.zeros((used.shape[1], 0))
             modes = space_modes(points)
             across = np.zeros((used.shape[1], modes.shape[1]))
             across[: len(points)] = modes

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import ClassVar, final
 
@@ -13,7 +14,6 @@ from thermo.discover._candidate import (
     AbstractHeatCandidate,
     Card,
     Place,
-    cell_middles,
     in_cells,
 )
 from thermo.inverse import Conditions
@@ -21,8 +21,8 @@ from thermo.physics import Model
 from thermo.physics.effects import Heating, Schedule, VolumetricSource
 
 
-def _lamps(model: Model, change: object) -> Model:
-    surface = tuple(change(one) if isinstance(one, Heating) else one for one in model.surface)  # type: ignore[operator]
+def _lamps(model: Model, change: Callable[[Heating], Heating]) -> Model:
+    surface = tuple(change(one) if isinstance(one, Heating) else one for one in model.surface)
     return replace(model, surface=surface)
 
 
@@ -118,13 +118,11 @@ class InDepthAbsorption(AbstractHeatCandidate):
 
     def to_model(self, model: Model, under: Conditions) -> Model:
         """The model [SI] with light that reaches below the surface."""
-        mesh = model.space.mesh
-        points = jnp.asarray(mesh.nodes[mesh.faces[:, :3]].mean(1))
-        middles = cell_middles(model.space)
-        apart = jnp.sum((middles[:, None] - points) ** 2, -1)
-        nearest = jnp.argmin(apart, 1)
-        below = jnp.sqrt(apart[jnp.arange(len(middles)), nearest])
-        lit = jnp.mean(under.profile, 1)[nearest]
+        space, mesh = model.space, model.space.mesh
+        middle = jnp.asarray(mesh.nodes[mesh.faces[:, :3]].mean(1))[space.skin]
+        way = jnp.asarray(mesh.nodes[mesh.cells[:, :4]].mean(1)) - middle
+        below = jnp.abs(jnp.sum(way * jnp.asarray(mesh.normals)[space.skin], -1))
+        lit = jnp.mean(under.profile, 1)[space.skin]
         volume = jnp.asarray(model.space.volume)
         shapes = lit * jnp.exp(-below / self.place.size[:, None])
         total = shapes @ volume
