@@ -4,16 +4,25 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import ClassVar, final
 
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from box_scene import write_block
+from jaxtyping import Array, Float
 
-from thermo.discover import Candidate, Place, Verdict, discover
+from thermo.discover import (
+    AbstractReadingCandidate,
+    Candidate,
+    Card,
+    Place,
+    Verdict,
+    discover,
+)
 from thermo.discover.candidates import HeaterPower, HiddenSource
 from thermo.errors import InputError
-from thermo.inverse import Meshing, Stepping
+from thermo.inverse import Conditions, Meshing, Stepping
 from thermo.mesh import Mesh
 from thermo.observe import Run, Scene, read_scene
 
@@ -22,12 +31,34 @@ MESHING, STEPPING = Meshing(max_nodes=1500), Stepping(tolerance=0.05)
 NOISE = 0.1
 
 
+@final
+class WarmingCamera(AbstractReadingCandidate):
+    """Somebody's own: a camera that reads more and more as it warms up."""
+
+    card: ClassVar[Card] = Card(
+        "warming_camera", "K/s", 0.1, -1.0, 1.0,
+        excited_by="long runs", hides_behind="drift", split_by="a warm camera",
+    )  # fmt: skip
+    strength: Float[Array, " parts"]
+    place: Place | None = None
+
+    def to_readings(
+        self,
+        temperature: Float[Array, "frames samples"],
+        time: Float[Array, " frames"],
+        under: Conditions,
+    ) -> Float[Array, "frames samples"]:
+        """What is read [K] of temperatures [K] at times [s]."""
+        del under
+        return temperature + self.strength[0] * jnp.maximum(time, 0.0)[:, None]
+
+
 def few(mesh: Mesh, duration: float) -> tuple[Candidate, ...]:
-    """A small library: one program of two compiles sooner than that of all."""
+    """A small library: one program of three compiles sooner than that of all."""
     del duration
     places = jnp.asarray(np.stack([mesh.nodes.mean(0), mesh.nodes.max(0)]))
     source = HiddenSource(jnp.zeros(2), Place(places, jnp.asarray([0.004, 0.004])))
-    return source, HeaterPower(jnp.zeros(1))
+    return source, HeaterPower(jnp.zeros(1)), WarmingCamera(jnp.zeros(1))
 
 
 def noisy(run: Run, seed: int) -> Run:
@@ -80,6 +111,23 @@ def test_a_lamp_of_another_power_is_named_by_how_much_it_is_off(scene: Scene) ->
     assert proof.gap_closed is not None and proof.gap_closed > 0.95
     assert proof.rms_after == pytest.approx(NOISE, rel=0.1)
     assert found.omnibus[0] < 1e-6 < found.omnibus[1]
+
+
+def test_two_effects_are_both_named_and_their_strengths_are_those_of_one_fit(scene: Scene) -> None:
+    runs = {}
+    for name, run in scene.runs.items():
+        record, heater = run.recording, run.heater
+        data = record.temperature + 0.05 * record.time[:, None]
+        less = None if heater is None else replace(heater, power=0.8 * heater.power)
+        runs[name] = replace(run, heater=less, recording=replace(record, temperature=data))
+    found = asked(replace(scene, runs=runs))
+    assert found.verdict == "named" and len(found.rounds) == 2
+    assert set(found.effects()) == {"heater_power", "warming_camera"}
+    strengths = {one.effect.card.name: one.effect for one in found.rounds}
+    # What one of them was fitted to alone lies far off; both together do not.
+    assert strengths["heater_power"].strength == pytest.approx(0.25, rel=0.06)
+    assert strengths["warming_camera"].strength == pytest.approx(0.05, rel=0.06)
+    assert found.held_out["test_lamp"].rms_after == pytest.approx(NOISE, rel=0.1)
 
 
 def test_two_candidates_of_one_name_are_refused(scene: Scene) -> None:

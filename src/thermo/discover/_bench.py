@@ -66,27 +66,35 @@ def steps_for(objective: Objective, point: Extended) -> Objective:
     return replace(objective, integrator=Sdirk2(iterations=2))
 
 
-def measured(bench: Bench, point: Extended) -> Bench:
-    """The bench with all that its cells and steps make wrong at a point taken off [K]."""
-    wanted = finer_runs(bench, bench.coarse, point)
+def corrected(bench: Bench, point: Extended, wanted: Apart) -> Bench:
+    """The bench with all that its cells and steps make wrong at a point taken off [K].
+
+    `wanted`: what `finer_runs` reads there [K].
+    """
     none = [jnp.zeros_like(one) for one in wanted]
     bare = steps_for(with_defects(bench.coarse, none), point)
-    apart = [jnp.nan_to_num(a - b) for a, b in zip(wanted, readings(bare, point), strict=True)]
-    return replace(bench, coarse=with_defects(bench.coarse, apart))
+    return replace(bench, coarse=with_defects(bench.coarse, _apart(wanted, bare, point)))
 
 
-def usual_errors(bench: Bench, point: Extended) -> Apart:
-    """By how much the finer runs differ from those of a fit's usual cells and steps [K]."""
+def usual_errors(bench: Bench, point: Extended, wanted: Apart) -> Apart:
+    """By how much the finer runs differ from those of a fit's usual cells and steps [K].
+
+    `wanted`: what `finer_runs` reads at the point, at which no candidate is at work [K].
+    """
     usual = make_objective(bench.task, bench.ready, bench.task.meshing.order)
-    wanted = finer_runs(bench, usual, point)
-    plain = replace(point, candidates=())
-    return [jnp.nan_to_num(a - b) for a, b in zip(wanted, readings(usual, plain), strict=True)]
+    return _apart(wanted, usual, replace(point, candidates=()))
 
 
-def finer_runs(bench: Bench, like: Objective, point: Extended) -> Apart:
-    """What a point reads on the finer mesh [K], laid out as the cases of `like`."""
+def _apart(wanted: Apart, objective: Objective, point: Extended) -> Apart:
+    """Zero where a run has nothing."""
+    found = readings(objective, point)
+    return [jnp.nan_to_num(a - b) for a, b in zip(wanted, found, strict=True)]
+
+
+def finer_runs(bench: Bench, point: Extended) -> Apart:
+    """What a point reads on the finer mesh [K], laid out as the cases of the bench."""
     # What is absent changes nothing, and a smaller program compiles sooner.
     fields = point.fields
     candidates = tuple(one for one in point.candidates if np.any(np.asarray(one.strength)))
-    made = finer_readings(bench.task, bench.ready, like, fields, bench.finer, candidates)
-    return [jnp.asarray(np.asarray(one)) for one in made]
+    made = finer_readings(bench.task, bench.ready, bench.coarse, fields, bench.finer, candidates)
+    return [jnp.asarray(one) for one in made]

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from scipy.stats import norm
 
-from thermo.discover._bench import Apart, Bench, set_up, usual_errors
+from thermo.discover._bench import Apart, Bench, corrected, finer_runs, set_up, usual_errors
 from thermo.discover._candidate import Candidate
 from thermo.discover._descent import Ended
 from thermo.discover._extended import readings
@@ -23,7 +23,16 @@ from thermo.discover._search import Say, Standing, fitted
 from thermo.discover._softening import blocks, error_columns, stamp_columns
 from thermo.discover._verdict import Verdict
 from thermo.errors import InputError
-from thermo.inverse import Meshing, Prior, Stepping, Uniform, unfitted, with_fields
+from thermo.inverse import (
+    Meshing,
+    Prior,
+    Stepping,
+    Uniform,
+    defect_sizes,
+    unfitted,
+    with_defects,
+    with_fields,
+)
 from thermo.mesh import Mesh
 from thermo.observe import Scene, estimate_noise
 
@@ -53,8 +62,8 @@ def discover(
 
     One value of each unknown is fitted; residuals are compared with noise; every candidate is
     scored at strength zero; the credible ones are refitted, with their places; the best is put to
-    work, and the search goes on from there until nothing is missing. Where nothing is missing, it
-    is to say otherwise in 5 % of cases.
+    work, and the search goes on from there until nothing is missing. Its thresholds are set so that
+    noise alone passes them in 5 % of cases.
 
     Arguments as for `invert`, `initial` by quantity [SI] and `model_error` [K] among them. Held-out
     runs are predicted only. And:
@@ -120,7 +129,11 @@ def _begin(bench: Bench, every: tuple[Candidate, ...], say: Say) -> tuple[Standi
     standing = fitted(standing, times=0)
     say("measuring what cells and steps make wrong")
     standing = fitted(standing, times=1)
-    bench, left = standing.bench, usual_errors(standing.bench, standing.point)
+    # Once more where that ended; the same finer runs say what a fit's usual cells make wrong.
+    wanted = finer_runs(standing.bench, standing.point)
+    left = usual_errors(standing.bench, standing.point, wanted)
+    bench = corrected(standing.bench, standing.point, wanted)
+    standing = fitted(replace(standing, bench=bench), times=0)
     runs = blocks(bench.coarse, bench.task, left)
     count = len(standing.ended.residual)
     small = replace(standing.point, candidates=())
@@ -132,12 +145,9 @@ def _begin(bench: Bench, every: tuple[Candidate, ...], say: Say) -> tuple[Standi
 
 
 def _sizes(begun: Standing, left: Apart) -> dict[str, float]:
-    """Root mean square of differences, by run [K]."""
-    each = [one for group in left for one in np.asarray(group)]
-    return {
-        block.name: float(np.sqrt(np.mean(one**2)))
-        for block, one in zip(begun.runs, each, strict=True)
-    }
+    """Root mean square of what a fit's usual cells and steps make wrong, by run [K]."""
+    found = defect_sizes(with_defects(begun.bench.coarse, left))
+    return {begun.bench.task.runs[number].name: size for number, size in found.items()}
 
 
 def _parameters(begun: Standing, last: Standing) -> dict[str, tuple[float, float]]:

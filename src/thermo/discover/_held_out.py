@@ -26,7 +26,7 @@ def held_out(bench: Bench, stated: Extended, extended: Extended) -> Mapping[str,
     ready = replace(lay_out(task, bench.ready.mesh, bench.ready.stated), fields=bench.ready.fields)
     like = coarse_tangents(task, ready)
     there = replace(bench, task=task, ready=ready, coarse=like)
-    both = [finer_runs(there, like, point) for point in (stated, extended)]
+    both = [finer_runs(there, point) for point in (stated, extended)]
     found, order = {}, iter(like.sequence)
     for number, case in enumerate(like.cases):
         apart = [np.nan_to_num(np.asarray(read[number]) - np.asarray(case.data)) for read in both]

@@ -8,7 +8,7 @@ from typing import Final, final
 from scipy.stats import chi2
 
 from thermo.discover._candidate import Candidate
-from thermo.discover._rounds import make_round
+from thermo.discover._rounds import make_round, with_joint_effects
 from thermo.discover._scores import ScoreTable, credible
 from thermo.discover._search import Say, Standing, refits, scored, with_all
 from thermo.discover._verdict import Round, Word
@@ -69,9 +69,8 @@ def search(begun: Standing, laws: tuple[Candidate, ...], say: Say) -> SearchPath
         standing = with_all(made[0], standing)
         if one.closed < _WORTH:
             break
-    return SearchPath(
-        _word(begun, standing, rounds, tables[0]), rounds, standing, tables[0], remarks
-    )
+    word = _word(begun, standing, rounds, tables[0])
+    return SearchPath(word, with_joint_effects(rounds, standing), standing, tables[0], remarks)
 
 
 def _rest(one: Round | None) -> str:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.stats import chi2
 
 from thermo.discover._bench import steps_for
-from thermo.discover._entries import Entry, entry_of
+from thermo.discover._entries import Active, Entry, entry_of
 from thermo.discover._extended import readings
 from thermo.discover._scores import ScoreTable
 from thermo.discover._search import Refit, Standing, free_of
@@ -41,7 +43,7 @@ def make_round(before: Standing, made: list[Refit], table: ScoreTable) -> Round:
     return Round(
         candidates=candidacies(table, left, whole),
         threshold=table.threshold,
-        effect=effect_of(best, spread),
+        effect=effect_of(best.standing, best.standing.active[-1], spread),
         together=near,
         p_value=float(chi2.sf(gain, free)),
         rms_before=rms(before),
@@ -84,15 +86,13 @@ def rms(standing: Standing) -> dict[str, float]:
     return found
 
 
-def effect_of(refit: Refit, spread: float) -> Effect:
-    """The effect as its refit ended, its errors widened by the misfit that is left [1]."""
-    standing = refit.standing
+def effect_of(standing: Standing, active: Active, spread: float) -> Effect:
+    """An effect at work where a fit ended, its errors widened by the misfit that is left [1]."""
     point = standing.point
-    entry = entry_of(point, standing.active[-1])
+    entry = entry_of(point, active)
     free = free_of(standing)
     slopes = softened(standing.runs, standing.ended.slopes)
-    normal = slopes.T @ slopes
-    covariance = np.linalg.pinv(normal, hermitian=True) * spread
+    covariance = np.linalg.pinv(slopes.T @ slopes, hermitian=True) * spread
     number = int(np.flatnonzero(free.number == entry.strengths[-1])[0])
     sd = float(np.sqrt(covariance[number, number]) * free.scale[number])
     candidate = point.candidates[entry.kind]
@@ -100,6 +100,17 @@ def effect_of(refit: Refit, spread: float) -> Effect:
     centre, size = _place(standing, entry)
     ends = np.clip([value - NORMAL * sd, value + NORMAL * sd], entry.card.low, entry.card.high)
     return Effect(entry.card, value, sd, (float(ends[0]), float(ends[1])), centre, size)
+
+
+def with_joint_effects(rounds: list[Round], last: Standing) -> list[Round]:
+    """Rounds with strengths and places of the fit in which all effects are at work [SI].
+
+    What an effect was fitted to alone holds a part of those that came later.
+    """
+    rest, count = last.gap()
+    spread = max(1.0, rest / count)
+    pairs = zip(rounds, last.active, strict=True)
+    return [replace(one, effect=effect_of(last, active, spread)) for one, active in pairs]
 
 
 def _place(standing: Standing, entry: Entry) -> tuple[np.ndarray | None, float | None]:

@@ -10,7 +10,7 @@ import jax
 import numpy as np
 from jaxtyping import Float, Int
 
-from thermo.discover._bench import Bench, measured, steps_for
+from thermo.discover._bench import Bench, corrected, finer_runs, steps_for
 from thermo.discover._candidate import Candidate
 from thermo.discover._descent import Ended, Free, descend
 from thermo.discover._entries import (
@@ -90,7 +90,9 @@ def fitted(standing: Standing, *, times: int) -> Standing:
     small, kept = _with_few_places(standing)
     free = free_of(small)
     for number in range(max(times, 1)):
-        bench = measured(small.bench, small.point) if number < times else small.bench
+        bench = small.bench
+        if number < times:
+            bench = corrected(bench, small.point, finer_runs(bench, small.point))
         ended = descend(steps_for(bench.coarse, small.point), small.point, free)
         small = replace(small, bench=bench, point=ended.point, ended=ended)
     back = tuple(

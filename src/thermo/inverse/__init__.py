@@ -12,6 +12,7 @@ from thermo.inverse._checkpoint import Checkpoint, load_checkpoint, save_checkpo
 from thermo.inverse._conditions import Conditions
 from thermo.inverse._defect import (
     DEFECT_LEFT,
+    defect_sizes,
     finer_mesh,
     finer_readings,
     with_defects,
@@ -111,6 +112,7 @@ __all__ = [
     "bands",
     "case_temperatures",
     "coarse_tangents",
+    "defect_sizes",
     "field_scores",
     "finer_mesh",
     "finer_readings",

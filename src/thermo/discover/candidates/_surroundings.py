@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import ClassVar, final
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -118,7 +119,7 @@ class BackingFlow(AbstractSurfaceEffect):
         self, temperature: Float[Array, "faces points"], time: Time
     ) -> Float[Array, "faces points"]:
         """Flux into the body [W/m2] at surface temperatures [K] and a time [s]."""
-        # Of a step at t = 0; a body that warms slowly loses up to half as much again.
+        # Of a step at t = 0, with a second to take it; one that warms evenly loses twice as much.
         rate = self.effusivity[:, None] / jnp.sqrt(jnp.pi * (jnp.asarray(time) + 1.0))
         return rate * (self.start - temperature)
 
@@ -158,7 +159,8 @@ class BackingConduction(AbstractHeatCandidate):
 class AmbientDrift(AbstractHeatCandidate):
     """Surroundings that change over the run, by straight lines between evenly spread knots.
 
-    The strengths are the rises at the knots after the start; the last is that at the end.
+    The strengths are the rises at the knots after the start; the last is that at the end. They
+    reach convection and radiation; a support and the air of evaporation stay as they are.
 
     - `duration`: time of the last knot [s].
     """
@@ -194,7 +196,11 @@ def _raised(
     time: Float[Array, " knots"],
     rise: Float[Array, " knots"],
 ) -> History:
-    return History(time, value_at(level, 0.0) + rise)
+    """A level [K] with a rise on it; where it has a course of its own, both courses together."""
+    if not isinstance(level, History):
+        return History(time, value_at(level, 0.0) + rise)
+    every = jnp.sort(jnp.concatenate([time, level.time]))
+    return History(every, jax.vmap(level.at)(every) + jnp.interp(every, time, rise))
 
 
 @final

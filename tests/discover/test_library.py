@@ -1,0 +1,56 @@
+"""All candidates of the package: absent at first, of names of their own, light on large meshes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from lit_box import SIZE, STATED, run
+
+from thermo.discover import library
+from thermo.inverse._addition import AbstractHeatAddition
+from thermo.inverse._conditions import conditions, make_model
+from thermo.inverse._properties import properties
+from thermo.mesh import Mesh, box_mesh
+from thermo.physics import discretise
+
+COARSE, FINE = (box_mesh(SIZE, cut) for cut in ((6, 4, 4), (12, 8, 8)))
+HEAT = [one.card.name for one in library(COARSE, 24.0) if isinstance(one, AbstractHeatAddition)]
+
+
+def test_every_candidate_is_absent_and_has_a_name_of_its_own() -> None:
+    found = library(COARSE, 24.0)
+    assert len({one.card.name for one in found}) == len(found) == 17
+    assert all(not np.any(np.asarray(one.strength)) for one in found)
+    for one in found:
+        assert one.card.low <= 0 < one.card.typical <= one.card.high
+        if one.place is not None and one.place.centre is not None:
+            centres = np.asarray(one.place.centre)
+            assert np.all((centres > -1e-12) & (centres < np.array(SIZE) + 1e-12))
+            assert len(np.unique(centres.round(9), axis=0)) == len(centres) == 32
+
+
+def largest(name: str, mesh: Mesh) -> int:
+    """Numbers in the largest array that a candidate makes on its way into a model."""
+    space = discretise(mesh)
+    body = properties(STATED, {}, len(mesh.cells), len(mesh.faces))
+    under = conditions(run(lamp=LAMP), space)
+    (one,) = (one for one in library(mesh, 24.0) if one.card.name == name)
+    model = make_model(space, body, under)
+
+    def made(strength: jax.Array) -> list[jax.Array]:
+        changed = replace(one, strength=strength).to_model(model, under)  # type: ignore[union-attr]
+        return [jnp.asarray(leaf) for leaf in jax.tree.leaves(changed)]
+
+    program = jax.make_jaxpr(made)(one.strength)
+    return max(v.aval.size for line in program.jaxpr.eqns for v in line.outvars)
+
+
+@pytest.mark.parametrize("name", HEAT)
+def test_work_grows_with_the_mesh_and_not_with_its_square(name: str) -> None:
+    assert len(FINE.cells) == 8 * len(COARSE.cells)
+    # Cells by faces would be 32 times as many.
+    assert largest(name, FINE) <= 9 * largest(name, COARSE)
