@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from lit_box import SIZE, STATED, run
+from lit_box import LAMP, SIZE, STATED, run
 
 from thermo.discover import library
 from thermo.inverse._addition import AbstractHeatAddition

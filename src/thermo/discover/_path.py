@@ -8,7 +8,7 @@ from typing import Final, final
 from scipy.stats import chi2
 
 from thermo.discover._candidate import Candidate
-from thermo.discover._rounds import make_round, with_joint_effects
+from thermo.discover._rounds import make_round, share_closed, with_joint_effects
 from thermo.discover._scores import ScoreTable, credible
 from thermo.discover._search import Say, Standing, refits, scored, with_all
 from thermo.discover._verdict import Round, Word
@@ -87,9 +87,7 @@ def _word(begun: Standing, last: Standing, rounds: list[Round], table: ScoreTabl
     if not rounds:
         gap = _alarm(table) or by_shapes(begun) <= _BY_SHAPES
         return "none_of_mine" if gap else "no_gap"
-    (told, count), (rest, _) = begun.gap(), last.gap()
-    closed = (told - rest) / max(told - count, 1.0)
-    if closed < _CLOSED and by_shapes(last) <= _BY_SHAPES:
+    if share_closed(begun, last) < _CLOSED and by_shapes(last) <= _BY_SHAPES:
         return "none_of_mine"
     return "named" if all(len(one.together) == 1 for one in rounds) else "inseparable"
 

@@ -27,9 +27,7 @@ def make_round(before: Standing, made: list[Refit], table: ScoreTable) -> Round:
     Source: McCullagh and Nelder, Generalized Linear Models (1989), section 9.2, quasi-likelihood.
     """
     best = made[0]
-    told, count = before.gap()
-    rest, _ = best.standing.gap()
-    spread = max(1.0, rest / count)
+    spread = misfit(best.standing)
     least = best.standing.loss()
     gain = 2 * (before.loss() - least) / spread
     near = [
@@ -48,9 +46,23 @@ def make_round(before: Standing, made: list[Refit], table: ScoreTable) -> Round:
         p_value=float(chi2.sf(gain, free)),
         rms_before=rms(before),
         rms_after=rms(best.standing),
-        # A gap within the scatter of noise is no measure: that scatter is then.
-        closed=float((told - rest) / max(told - count, np.sqrt(2 * count))),
+        closed=share_closed(before, best.standing),
     )
+
+
+def misfit(standing: Standing) -> float:
+    """Variance of what is left in the smooth shapes over that of noise, 1 at the least [1]."""
+    told, count = standing.gap()
+    return max(1.0, told / count)
+
+
+def share_closed(before: Standing, after: Standing) -> float:
+    """Share of what is beyond noise in the smooth shapes that is gone after [1].
+
+    A gap within the scatter of noise is no measure: that scatter is then.
+    """
+    (told, count), (rest, _) = before.gap(), after.gap()
+    return float((told - rest) / max(told - count, np.sqrt(2 * count)))
 
 
 def candidacies(table: ScoreTable, left: dict[str, float], whole: float) -> list[Candidacy]:
@@ -107,8 +119,7 @@ def with_joint_effects(rounds: list[Round], last: Standing) -> list[Round]:
 
     What an effect was fitted to alone holds a part of those that came later.
     """
-    rest, count = last.gap()
-    spread = max(1.0, rest / count)
+    spread = misfit(last)
     pairs = zip(rounds, last.active, strict=True)
     return [replace(one, effect=effect_of(last, active, spread)) for one, active in pairs]
 
