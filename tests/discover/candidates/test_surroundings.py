@@ -212,6 +212,19 @@ def test_the_last_strength_of_a_drift_is_the_rise_at_the_end() -> None:
     assert [type(one) for one in model.surface] == [type(one) for one in bare(lit()).surface]
 
 
+def test_air_with_a_course_of_its_own_keeps_it_under_a_drift() -> None:
+    model = bare(lit())
+    own = History(jnp.asarray([0.0, END / 4, END]), jnp.asarray([AIR, AIR + 8.0, AIR + 2.0]))
+    surface = tuple(
+        replace(one, ambient=own) if isinstance(one, Convection) else one for one in model.surface
+    )
+    found = drift(4.0, -2.0).to_model(replace(model, surface=surface), lit())
+    (air,) = (one for one in found.surface if isinstance(one, Convection))
+    assert isinstance(air.ambient, History)
+    for time, rise in [(0.0, 0.0), (END / 4, 2.0), (END / 2, 4.0), (3 * END / 4, 1.0), (END, -2.0)]:
+        assert float(air.ambient.at(time)) == pytest.approx(float(own.at(time)) + rise)
+
+
 def test_a_body_that_follows_the_air_drifts_with_it() -> None:
     stated = replace(STATED, convection=1e5, emissivity=0.0)
     under = resting()
