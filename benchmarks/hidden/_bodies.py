@@ -1,0 +1,124 @@
+"""Five bodies as structured tetrahedra, quadratic functions on them, and points to read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+from scipy.sparse import csr_array, vstack
+from skfem import Basis, ElementTetP2, FacetBasis, MeshTet
+
+SHAPES = ("block", "plate", "cylinder", "ell", "dome")
+
+
+def body_mesh(shape: str, finer: float = 1.0) -> MeshTet:
+    """A body [m]; `finer`: cells along each axis over the usual number [1].
+
+    Cells are thinner towards the skin, where temperatures vary most.
+    """
+
+    def axis(low: float, high: float, cells: int) -> np.ndarray:
+        even = np.linspace(-1, 1, round(cells * finer) + 1)
+        graded = 0.3 * even + 0.7 * np.sin(np.pi / 2 * even)
+        return (low + high) / 2 + (high - low) / 2 * graded
+
+    match shape:
+        case "block":
+            return MeshTet.init_tensor(
+                axis(-0.018, 0.018, 13), axis(-0.013, 0.013, 10), axis(-0.009, 0.009, 6)
+            )
+        case "plate":
+            return MeshTet.init_tensor(
+                axis(-0.025, 0.025, 16), axis(-0.018, 0.018, 12), axis(-0.004, 0.004, 4)
+            )
+        case "cylinder":
+            mesh = MeshTet.init_tensor(axis(-1, 1, 8), axis(-1, 1, 8), axis(-0.02, 0.02, 9))
+            x, y, z = mesh.p
+            round_ = np.stack([x * np.sqrt(1 - y**2 / 2), y * np.sqrt(1 - x**2 / 2)]) * 0.014
+            return MeshTet(np.stack([*round_, z]), mesh.t)
+        case "ell":
+            ways = axis(-0.02, 0.02, 14), axis(-0.016, 0.016, 12), axis(-0.007, 0.007, 5)
+            mesh = MeshTet.init_tensor(*ways)
+            x, y, _ = mesh.p[:, mesh.t].mean(1)
+            corner = (x > ways[0][len(ways[0]) // 2]) & (y > ways[1][len(ways[1]) // 3])
+            return mesh.remove_elements(np.flatnonzero(corner))
+        case "dome":
+            mesh = MeshTet.init_tensor(axis(-1, 1, 11), axis(-1, 1, 11), axis(0, 1, 5))
+            x, y, z = mesh.p
+            height = 0.006 + 0.012 * np.exp(-1.5 * (x**2 + 0.6 * y**2))
+            return MeshTet(np.stack([0.02 * x, 0.017 * y, z * height - 0.008]), mesh.t)
+    raise ValueError(f"no body is called {shape}")
+
+
+@dataclass(frozen=True)
+class Body:
+    """A mesh with what is needed to put heat equations together on it.
+
+    Sparse matrices take nodal temperatures [K] to values or slopes [K, K/m] at quadrature points,
+    whose places [m] and weights [m3, m2] stand beside them.
+    """
+
+    mesh: MeshTet
+    values: csr_array
+    slopes: tuple[csr_array, csr_array, csr_array]
+    at: np.ndarray
+    weight: np.ndarray
+    skin: csr_array
+    skin_at: np.ndarray
+    skin_normal: np.ndarray
+    skin_weight: np.ndarray
+    reading: csr_array
+    points: np.ndarray
+    surface: trimesh.Trimesh
+
+
+def body(shape: str, samples: int, seed: int, finer: float = 1.0) -> Body:
+    """A body with `samples` points on its skin, drawn evenly over the area by a seed [1]."""
+    mesh = body_mesh(shape, finer)
+    inner = Basis(mesh, ElementTetP2(), intorder=4)
+    outer = FacetBasis(mesh, ElementTetP2(), intorder=4)
+    surface = _surface(body_mesh(shape))
+    points, faces = trimesh.sample.sample_surface(surface, samples, seed=seed)
+    # Seen as lying inside by the search through cells.
+    inwards = points - 1e-8 * surface.face_normals[faces]
+    return Body(
+        mesh,
+        _matrix(inner, [one[0].value for one in inner.basis]),
+        tuple(_matrix(inner, [one[0].grad[way] for one in inner.basis]) for way in range(3)),
+        _flat(inner.global_coordinates().value), inner.dx.ravel(),
+        _matrix(outer, [one[0].value for one in outer.basis]),
+        _flat(outer.global_coordinates().value), _flat(outer.normals), outer.dx.ravel(),
+        csr_array(inner.probes(inwards.T)), points, surface,
+    )  # fmt: skip
+
+
+def _surface(mesh: MeshTet) -> trimesh.Trimesh:
+    faces = mesh.facets[:, mesh.boundary_facets()].T
+    made = trimesh.Trimesh(mesh.p.T, faces, process=True)
+    made.fix_normals()
+    made.remove_unreferenced_vertices()
+    return made
+
+
+def _flat(of: np.ndarray) -> np.ndarray:
+    """(3, cells, points) as (cells * points, 3)."""
+    return np.asarray(of).reshape(3, -1).T
+
+
+def _matrix(basis: Basis | FacetBasis, parts: list[np.ndarray]) -> csr_array:
+    """Rows cell by cell and point by point, columns by node."""
+    shape = basis.dx.shape
+    rows = np.arange(shape[0] * shape[1])
+    found = []
+    for number, part in enumerate(parts):
+        columns = np.repeat(basis.element_dofs[number], shape[1])
+        found.append(np.stack([rows, columns, np.broadcast_to(part, shape).ravel()]))
+    row, column, value = np.concatenate(found, 1)
+    whole = (len(rows), basis.N)
+    return csr_array((value, (row.astype(int), column.astype(int))), shape=whole)
+
+
+def stacked(parts: tuple[csr_array, ...]) -> csr_array:
+    """Matrices one below the other."""
+    return csr_array(vstack(parts))

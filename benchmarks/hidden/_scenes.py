@@ -1,0 +1,248 @@
+"""Scene folders with something hidden in them, and how visible that is."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.signal import lfilter
+
+from hidden._bodies import Body, body
+from hidden._effects import OUTSIDE, PAIRS, WITHIN, Hidden, in_depth_absorption
+from hidden._heat import COLD, Lamp, Physics, simulate
+
+SAMPLES, END, FRAME, TICK = 160, 60.0, 0.5, 0.1
+HOT = COLD + 58.0
+QUIET = 25
+SHAPES = {
+    "block": ("steatite", "steel"), "plate": ("steatite", "titanium"),
+    "cylinder": ("titanium", "steel"), "ell": ("steatite", "steel"), "dome": ("titanium", "glass"),
+}  # fmt: skip
+MATERIALS = {
+    "steel": (7900.0, 500.0, 15.1), "titanium": (4430.0, 560.0, 6.7),
+    "steatite": (2700.0, 900.0, 2.8), "glass": (2500.0, 800.0, 1.1),
+}  # fmt: skip
+NOISES = {"white": (0.05, 0.0, 0.0), "pattern": (0.05, 0.05, 0.0), "correlated": (0.05, 0.03, 0.4)}
+"""By kind: of a reading [K], of a sample [K], correlation from frame to frame [1]."""
+
+LAMPS: dict[str, Lamp | None] = {
+    "lamp": Lamp((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), 0.011, 5.0, 30.0, 1.0),
+    "cooling": None,
+    "held_out": Lamp((0.0, 0.004, 0.0), (0.0, 0.0, 1.0), 0.01, 3.5, 40.0, 1.0),
+}
+VISIBLE = 8.0
+"""Effects are drawn until they are visible at this many deviations of the noise [1]."""
+
+Readings = dict[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene to be made: a group, a shape, a noise, a seed, and who makes what is hidden."""
+
+    group: str
+    shape: str
+    noise: str
+    seed: int
+    makers: tuple[Callable[[np.random.Generator, Body], Hidden], ...] = ()
+
+    def name(self) -> str:
+        """Of its folder."""
+        made = "+".join(one.__name__ for one in self.makers) or "clean"
+        return f"{self.group}-{made}-{self.shape}-{self.noise}-{self.seed}"
+
+
+def cases(clean: int, draws: int) -> list[Case]:
+    """The suite, in an order in which any beginning of it holds a bit of everything."""
+    shapes, noises = list(SHAPES), list(NOISES)
+
+    def case(group: str, seed: int, makers: tuple, turn: int) -> Case:  # noqa: ANN001
+        shape = shapes[turn % 5]
+        if in_depth_absorption in makers and shape == "dome":
+            shape = "block"  # its light is absorbed below a flat face
+        return Case(group, shape, noises[(turn // 5 + turn) % 3], seed, makers)
+
+    found: list[tuple[float, Case]] = []
+    groups = [
+        ("clean", clean, ((),)),
+        ("within", draws, tuple((one,) for one in WITHIN)),
+        ("outside", draws, tuple((one,) for one in OUTSIDE)),
+        ("pair", draws // 2, PAIRS),
+    ]
+    for group, count, all_ in groups:
+        for number, makers in enumerate(all_):
+            for seed in range(count):
+                place = (seed + (number + 0.5) / len(all_)) / count
+                found.append((place, case(group, seed, makers, seed + 2 * number)))
+    return [one for _, one in sorted(found, key=lambda pair: pair[0])]
+
+
+@cache
+def the_body(shape: str) -> Body:
+    """Each body is made once."""
+    return body(shape, SAMPLES, seed=1)
+
+
+def stated(material: str) -> Physics:
+    """What is true of a material but for what is hidden."""
+    return Physics(*MATERIALS[material])
+
+
+def readings(shape: str, physics: Physics, changed: Callable[[Lamp], Lamp] = lambda one: one,
+             runs: Sequence[str] = tuple(LAMPS)) -> Readings:  # fmt: skip
+    """What the samples are at, by run, every `TICK` [K]."""
+    tick = np.arange(round((END + 4.0) / TICK) + 1) * TICK
+    found = {}
+    for run in runs:
+        lamp = LAMPS[run]
+        lamp = changed(lamp) if lamp else None
+        initial = HOT if run == "cooling" else COLD
+        time, values = simulate(the_body(shape), physics, lamp, initial, tick[-1])
+        # Smooth from switch to switch.
+        ends = [0.0, *([lamp.until] if lamp else []), tick[-1]]
+        made = np.zeros((len(tick), values.shape[1]))
+        for low, high in zip(ends[:-1], ends[1:], strict=True):
+            some = (time >= low - 1e-9) & (time <= high + 1e-9)
+            there = (tick >= low - 1e-9) & (tick <= high + 1e-9)
+            made[there] = CubicSpline(time[some], values[some])(tick[there])
+        found[run] = made
+    return found
+
+
+def kept(folder: Path, name: str, make: Callable[[], Readings]) -> Readings:
+    """Readings [K] that are made once and kept in a file."""
+    path = folder / f"{name}.npz"
+    if path.exists():
+        with np.load(path) as file:
+            return dict(file)
+    made = make()
+    folder.mkdir(parents=True, exist_ok=True)
+    whole = folder / f"{name}.{id(made)}.tmp.npz"
+    np.savez(whole, **made)
+    whole.replace(path)
+    return made
+
+
+@dataclass(frozen=True)
+class Made:
+    """A case that was made: what is hidden, and its visible size in deviations of noise [1]."""
+
+    hidden: list[Hidden]
+    visible: list[float]
+    material: str
+
+
+def make(case: Case, folder: Path, usual: Path) -> Made:
+    """Write the scene of a case; `usual` keeps what several cases share.
+
+    What is hidden is drawn again until all of it is visible.
+    """
+    random = np.random.default_rng([case.seed, *map(ord, case.name())])
+    material = str(random.choice(SHAPES[case.shape]))
+    plain, where = stated(material), the_body(case.shape)
+    for _ in range(60):
+        hidden = [one(random, where) for one in case.makers]
+        visible = [_visible(one, case, material, usual) for one in hidden]
+        if not hidden or min(visible) >= VISIBLE:
+            break
+    else:
+        raise RuntimeError(f"{case.name()}: nothing visible was drawn")
+    physics, said, lamp = plain, plain, (lambda one: one)
+    for one in hidden:
+        physics, said = one.physics(physics), one.stated(said)
+        lamp = _after(lamp, one.lamp)
+    if all(not one.simulated() for one in hidden):
+        found = kept(usual, f"{case.shape}-{material}", lambda: readings(case.shape, plain))
+    else:
+        found = readings(case.shape, physics, lamp)
+    for one in hidden:
+        tick = np.arange(len(found["lamp"])) * TICK
+        found = {run: one.read(tick, value, where.points) for run, value in found.items()}
+    _write(case, folder, said, found, random)
+    return Made(hidden, visible, material)
+
+
+def _after(one: Callable[[Lamp], Lamp], other: Callable[[Lamp], Lamp]) -> Callable[[Lamp], Lamp]:
+    return lambda lamp: other(one(lamp))
+
+
+def _visible(hidden: Hidden, case: Case, material: str, usual: Path) -> float:
+    """Size of the change in the fitted runs that conductivity and convection leave over [1]."""
+    runs = ("lamp", "cooling")
+    plain, name = stated(material), f"{case.shape}-{material}"
+    said = hidden.stated(plain)
+    dark = "-dark" if said.emissivity == 0 else ""
+    ways = {
+        "": said,
+        "-conductivity": replace(said, conductivity=1.02 * said.conductivity),
+        "-convection": replace(said, convection=1.1 * said.convection),
+    }
+    base = {
+        way: kept(usual, name + dark + way, lambda one=one: readings(case.shape, one))
+        for way, one in ways.items()
+    }
+    if hidden.simulated():
+        there = readings(case.shape, hidden.physics(plain), hidden.lamp, runs)
+    else:
+        tick = np.arange(len(base[""]["lamp"])) * TICK
+        points = the_body(case.shape).points
+        there = {run: hidden.read(tick, base[""][run], points) for run in runs}
+
+    def change(of: Readings) -> np.ndarray:
+        every, last = round(FRAME / TICK), round(END / TICK) + 1
+        return np.concatenate([(of[run] - base[""][run])[:last:every].ravel() for run in runs])
+
+    size, _, correlation = NOISES[case.noise]
+    size *= np.sqrt((1 + correlation) / (1 - correlation))
+    free = np.stack([change(base[way]) for way in ways if way], 1)
+    left = change(there)
+    left = left - free @ np.linalg.lstsq(free, left, rcond=None)[0]
+    return float(np.linalg.norm(left)) / size
+
+
+def _write(
+    case: Case, folder: Path, said: Physics, found: Readings, random: np.random.Generator
+) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    where = the_body(case.shape)
+    where.surface.export(folder / "surface.ply")
+    every, last = round(FRAME / TICK), round(END / TICK) + 1
+    size, pattern, correlation = NOISES[case.noise]
+    runs = {}
+    for run, values in found.items():
+        initial = HOT if run == "cooling" else COLD
+        frames = np.concatenate([np.full((QUIET, values.shape[1]), initial), values[:last:every]])
+        fresh = random.standard_normal(frames.shape)
+        fresh[1:] *= np.sqrt(1 - correlation**2)
+        frames += size * lfilter([1.0], [1.0, -correlation], fresh, axis=0)
+        frames += pattern * random.standard_normal(frames.shape[1])
+        np.savez(
+            folder / f"{run}.npz", points=where.points, temperature=frames[QUIET:],
+            time=np.arange(len(frames) - QUIET) * FRAME, quiet=frames[:QUIET],
+        )  # fmt: skip
+        lamp = LAMPS[run]
+        runs[run] = {
+            "recording": f"{run}.npz", "initial_temperature": initial, "ambient_temperature": COLD,
+            "radiation_temperature": COLD, "held_out": run == "held_out",
+            "heater": None if lamp is None else {
+                "kind": "spot", "centre": lamp.centre, "direction": lamp.direction,
+                "radius": lamp.radius, "power": lamp.power, "until": lamp.until, "rise": lamp.rise,
+            },
+        }  # fmt: skip
+    wrong = float(np.exp(random.uniform(np.log(0.7), np.log(1.5))))
+    scene = {
+        "format": "thermofield-scene/1", "object": case.shape, "surface": "surface.ply",
+        "material": {
+            "density": said.density, "heat_capacity": said.capacity,
+            "conductivity": wrong * said.conductivity,
+        },
+        "surface_exchange": {"convection": said.convection, "emissivity": said.emissivity},
+        "unknown": ["conductivity", "convection"], "prior": {"convection_relative_sd": 0.3},
+        "runs": runs,
+    }  # fmt: skip
+    (folder / "scene.json").write_text(json.dumps(scene, indent=1), "utf-8")

@@ -1,0 +1,170 @@
+"""Hidden effects of our own making: what `thermo.discover` says of each, and how often it is right.
+
+    python benchmarks/hidden_effects.py [--out FOLDER] [--clean 200] [--draws 10] [--share 0/2]
+
+Five bodies, three kinds of noise; recordings by scikit-fem in quadratic functions on structured
+tetrahedra and by TR-BDF2, nothing of which the project's own solver has. Cases: nothing hidden,
+sixteen effects of the library, seven that it lacks, six pairs. A case whose result lies in FOLDER
+is not made again, so that the suite can be interrupted; `--share 0/2` and `--share 1/2` make its
+halves side by side. The tables in benchmarks/results are written by `--table`, of what there is.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from hidden._scenes import Case, Made, cases, make, the_body
+
+from thermo.discover import Verdict, discover
+from thermo.inverse import Meshing
+from thermo.report import discovery_record
+
+RESULTS = Path(__file__).parent / "results"
+NODES = 3000
+
+
+def main() -> None:
+    """Run what is missing, or score what there is."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, default=Path("outputs/hidden"))
+    parser.add_argument("--clean", type=int, default=200)
+    parser.add_argument("--draws", type=int, default=10)
+    parser.add_argument("--share", default="0/1")
+    parser.add_argument("--only", default="", help="words in the names of the cases to run")
+    parser.add_argument("--table", action="store_true")
+    asked = parser.parse_args()
+    suite = cases(asked.clean, asked.draws)
+    if asked.table:
+        rows = [one for case in suite if (one := result(asked.out, case))]
+        write_tables(rows)
+        return
+    part, parts = map(int, asked.share.split("/"))
+    for number, case in enumerate(suite):
+        if number % parts == part and asked.only in case.name() and not result(asked.out, case):
+            run(case, asked.out)
+
+
+def result(out: Path, case: Case) -> dict[str, Any] | None:
+    """What was found before, if it was."""
+    path = out / "found" / f"{case.name()}.json"
+    return json.loads(path.read_text("utf-8")) if path.exists() else None
+
+
+def run(case: Case, out: Path) -> None:
+    """Make a case, ask for the verdict, keep both."""
+    folder = out / "scenes" / case.name()
+    begun = time.monotonic()
+    told = folder / "truth.json"
+    if not told.exists():
+        truth = truth_of(case, make(case, folder, out / "usual"))
+        told.write_text(json.dumps(truth), "utf-8")
+    truth = json.loads(told.read_text("utf-8"))
+    made = time.monotonic()
+    verdict = discover(folder, meshing=Meshing(max_nodes=NODES))
+    row = truth | answer(verdict) | {
+        "case": case.name(), "seconds": time.monotonic() - made, "making": made - begun,
+    }  # fmt: skip
+    path = out / "found" / f"{case.name()}.json"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.with_suffix(".tmp").write_text(json.dumps(row), "utf-8")
+    path.with_suffix(".tmp").replace(path)
+    record = discovery_record(verdict)
+    path.with_suffix(".verdict").write_text(json.dumps(record), "utf-8")
+    words = f"{row['verdict']} {row['sets']} {right(row)}"
+    print(f"{case.name()}: {words}, {row['seconds']:.0f} s", flush=True)
+
+
+def truth_of(case: Case, made: Made) -> dict[str, Any]:
+    """What is hidden, in words."""
+    return {
+        "group": case.group, "shape": case.shape, "noise": case.noise, "material": made.material,
+        "hidden": [one.kind for one in made.hidden],
+        "true_strength": [one.strength for one in made.hidden],
+        "where": [one.where for one in made.hidden], "visible": made.visible,
+        "extent": float(np.ptp(the_body(case.shape).points, axis=0).max()),
+    }  # fmt: skip
+
+
+def answer(verdict: Verdict) -> dict[str, Any]:
+    """What a verdict says, in the words of the table."""
+    rounds = verdict.rounds if verdict.effects() else []
+    (proof,) = verdict.held_out.values()
+    return {
+        "verdict": verdict.verdict,
+        "closest": [one.effect.card.name for one in verdict.rounds],
+        "sets": [one.together for one in rounds],
+        "strength": [one.effect.strength for one in rounds],
+        "interval": [one.effect.interval95 for one in rounds],
+        "centre": [
+            None if one.effect.centre is None else list(one.effect.centre) for one in rounds
+        ],
+        "held_out": [proof.rms_before, proof.rms_after, proof.noise],
+        "largest": max(abs(one.score) for one in verdict.candidates),
+        "threshold": verdict.threshold, "omnibus": list(verdict.omnibus),
+    }  # fmt: skip
+
+
+def right(row: dict[str, Any]) -> str:
+    """One word for an answer: right, set (right among others), missed, refused or wrong."""
+    named = [set(one) for one in row["sets"]]
+    if row["verdict"] in ("no_gap", "none_of_mine"):
+        wanted = {"clean": "no_gap", "outside": "none_of_mine"}.get(row["group"])
+        if row["verdict"] == wanted:
+            return "right"
+        return "missed" if row["verdict"] == "no_gap" else "refused"
+    if row["group"] in ("clean", "outside"):
+        return "wrong" if any(len(one) == 1 for one in named) else "set of wrong ones"
+    found = [any(kind in one for one in named) for kind in row["hidden"]]
+    strange = [one for one in named if not one & set(row["hidden"])]
+    if all(found) and not strange:
+        return "right" if all(len(one) == 1 for one in named) else "set"
+    if any(len(one) == 1 for one in strange):
+        return "wrong"
+    return "partly" if any(found) else "set of wrong ones"
+
+
+def write_tables(rows: list[dict[str, Any]]) -> None:
+    """One line a case, and one a stratum."""
+    header = [
+        "case", "material", "visible", "true strength", "verdict", "sets", "strength", "low",
+        "high", "answer", "held out before", "held out after", "noise", "seconds",
+    ]  # fmt: skip
+    lines = []
+    for row in rows:
+        first = row["interval"][0] if row["interval"] else (None, None)
+        numbers = [row["strength"][0] if row["strength"] else None, *first, *row["held_out"]]
+        short = [None if one is None else f"{one:.4g}" for one in numbers]
+        lines.append([
+            row["case"], row["material"], " ".join(f"{one:.0f}" for one in row["visible"]),
+            " ".join(f"{one:.3g}" for one in row["true_strength"]), row["verdict"],
+            "; ".join(" ".join(one) for one in row["sets"]), *short[:3], right(row), *short[3:],
+            f"{row['seconds']:.0f}",
+        ])  # fmt: skip
+    _write("hidden_effects.csv", [header, *lines])
+    strata: dict[tuple[str, str], list[str]] = {}
+    for row in rows:
+        for stratum in ("all", "+".join(row["hidden"]) or row["noise"], row["shape"]):
+            strata.setdefault((row["group"], stratum), []).append(right(row))
+    words = ["right", "set", "partly", "refused", "missed", "set of wrong ones", "wrong"]
+    table = [
+        [*key, len(found), *(found.count(word) for word in words)]
+        for key, found in sorted(strata.items())
+    ]
+    _write("hidden_effects_rates.csv", [["group", "stratum", "cases", *words], *table])
+
+
+def _write(name: str, rows: list[list[Any]]) -> None:
+    with (RESULTS / name).open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file, lineterminator="\n").writerows(rows)
+    for row in rows:
+        print(", ".join("" if one is None else str(one) for one in row))
+
+
+if __name__ == "__main__":
+    main()
