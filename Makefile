@@ -29,7 +29,7 @@ lint: $(STAMP)
 	$(BIN)/pyright
 
 test: lint
-	$(BIN)/python -m pytest -q -n 2 --dist loadfile
+	$(BIN)/python -m pytest -q -n 2 --dist loadfile --durations=30
 
 # Without mesh.corrected, which takes a minute and a half more on a fresh machine.
 demo: $(STAMP)

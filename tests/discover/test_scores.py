@@ -14,7 +14,7 @@ from thermo.discover._entries import Entry
 from thermo.discover._projection import Projection, projection
 from thermo.discover._scores import ScoreTable, credible, score_table
 
-VALUES, FREE, BELIEVED = 80, 3, 2
+VALUES, FREE = 80, 3
 ALPHA, DRAWS, FEWER = 0.05, 400, 150
 
 
@@ -39,20 +39,18 @@ COLUMNS = 10
 
 @dataclass
 class Made:
-    """Columns of nuisances, and signatures by typical strengths."""
+    """Slopes by what is free, and signatures by typical strengths."""
 
     free: np.ndarray
-    believed: np.ndarray
     signatures: np.ndarray
 
     def nuisances(self) -> Projection:
-        return projection(self.free, self.believed)
+        return projection(self.free)
 
     def noise(self, seed: int) -> np.ndarray:
-        """Noise of variance one, and nuisances: the free ones by far, the others by about one."""
+        """Noise of variance one, and what is free by far off."""
         make = np.random.default_rng(seed)
-        known = self.believed @ make.normal(size=BELIEVED)
-        return make.normal(size=VALUES) + known + self.free @ make.normal(0, 50, FREE)
+        return make.normal(size=VALUES) + self.free @ make.normal(0, 50, FREE)
 
     def table(self, residual: np.ndarray, alpha: float = ALPHA) -> ScoreTable:
         return score_table(FOUND, self.signatures, residual, self.nuisances(), alpha=alpha)
@@ -65,7 +63,7 @@ def made() -> Made:
     signatures = 0.8 * make.normal(size=(VALUES, COLUMNS)) + common * make.uniform(0, 1, COLUMNS)
     signatures[:, 1] = signatures[:, 0] + 0.2 * make.normal(size=VALUES)
     free = make.normal(size=(VALUES, FREE)) + 0.5 * common
-    return Made(free, 2 * make.normal(size=(VALUES, BELIEVED)), signatures)
+    return Made(free, signatures)
 
 
 @pytest.mark.parametrize("alpha", [0.05, 0.2])
@@ -105,7 +103,7 @@ def test_known_thresholds(
 ) -> None:
     signatures = 3 * np.eye(VALUES)[:, [0] * count if alike else range(count)]
     found = [entry(number, card("some", low=low), number) for number in range(count)]
-    none = projection(np.zeros((VALUES, 0)), np.zeros((VALUES, 0)))
+    none = projection(np.zeros((VALUES, 0)))
     table = score_table(found, signatures, np.zeros(VALUES), none, alpha=alpha)
     # Drawn 4000 times: the chance is right to a tenth of 5 %, and to a fifth of 1 %.
     assert table.threshold == pytest.approx(wanted(alpha), abs=0.1)

@@ -7,8 +7,9 @@ from typing import Final, final
 
 import numpy as np
 from jax.flatten_util import ravel_pytree
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
+from thermo.discover._allowance import Allowance
 from thermo.discover._extended import Extended, columns, moved
 from thermo.inverse import Objective
 
@@ -17,6 +18,13 @@ from thermo.inverse import Objective
 _TRIALS: Final = 20
 _SHARE: Final = 1e-4
 _GAIN: Final = 0.05
+# Foretold gain [1] for which no step is tried: simulations are no more exact than that.
+_NOTHING: Final = 0.005
+# Damping over each entry's own curvature [1]. An effect and an unknown that hides all of it but a
+# hundredth leave 1e-4 of it along what tells them apart: from well below that the first step is
+# nearly Newton's, and small gains at more are no end.
+_DAMPING: Final = 1e-8
+_LITTLE: Final = 1e-6
 
 
 @final
@@ -26,12 +34,28 @@ class Free:
 
     - `number`: (free,) [1]; `scale`: a change that is large, `low`, `high`: bounds, each (free,) in
       the unit of its entry.
+    - `logarithm`: (free,), which entries are logarithms of what they stand for.
     """
 
     number: Int[np.ndarray, " free"]
     scale: Float[np.ndarray, " free"]
     low: Float[np.ndarray, " free"]
     high: Float[np.ndarray, " free"]
+    logarithm: Bool[np.ndarray, " free"]
+
+    def after(
+        self, before: Float[np.ndarray, " free"], step: Float[np.ndarray, " free"]
+    ) -> Float[np.ndarray, " free"]:
+        """Entries one step on, within their bounds, each in its unit.
+
+        A logarithm moves so that its value changes by the step's share of it: coefficients of
+        exchange add up, so that one that gives way to another does so along a straight line, which
+        is a narrow curve to their logarithms.
+        """
+        most = 2 * self.scale
+        step = np.clip(step, -most, most)
+        step[self.logarithm] = np.log1p(np.maximum(step[self.logarithm], -0.9))
+        return np.clip(before + step, self.low, self.high)
 
     def ways(self, entries: int) -> Float[np.ndarray, "free entries"]:
         """One way for each, its length the scale, in each entry's unit."""
@@ -45,7 +69,8 @@ class Free:
 class Ended:
     """Where least squares ended.
 
-    - `point`; `residual`: (values,) [1]; `slopes`: (values, free) by scaled entries [1].
+    - `point`; `residual`: (values,), `slopes`: (values, free) by scaled entries, both measured in
+      what is allowed for [1].
     - `loss`: half the sum of squares [1].
     """
 
@@ -55,40 +80,52 @@ class Ended:
     loss: float
 
 
-def descend(objective: Objective, point: Extended, free: Free) -> Ended:
+def descend(objective: Objective, point: Extended, free: Free, allowed: Allowance) -> Ended:
     """Levenberg-Marquardt in scaled entries; a step that meets a bound ends on it.
+
+    Residuals are measured in what is `allowed` for [1].
 
     Source: Madsen, Nielsen and Tingleff, Methods for Non-Linear Least Squares Problems (2004), 3.2.
     """
     entries = len(ravel_pytree(point)[0])
     ways = free.ways(entries)
-    here = _at(objective, point, ways)
-    damping = 1e-3
+    here = _at(objective, point, ways, allowed)
+    damping = _DAMPING
     for _ in range(_TRIALS):
         normal = here.slopes.T @ here.slopes
-        slope = here.slopes.T @ here.residual
-        level = damping * np.diag(normal) + 1e-9 * np.diag(normal).max() + 1e-12
-        step = -np.linalg.solve(normal + np.diag(level), slope) * free.scale
+        level = np.sqrt(np.maximum(np.diag(normal), 1e-12))
+        alike = normal / np.outer(level, level) + damping * np.eye(len(level))
+        slope = here.slopes.T @ here.residual / level
+        step = -np.linalg.solve(alike, slope)
+        if damping <= _LITTLE and -slope @ step / 2 < _NOTHING:
+            break
+        step *= free.scale / level
         old = np.asarray(ravel_pytree(here.point)[0])[free.number]
-        new = np.clip(old + np.clip(step, -2 * free.scale, 2 * free.scale), free.low, free.high)
         change = np.zeros(entries)
-        change[free.number] = new - old
+        change[free.number] = free.after(old, step) - old
         if not np.any(change):
             break
-        there = _at(objective, moved(here.point, change), ways)
+        there = _at(objective, moved(here.point, change), ways, allowed)
         gain = here.loss - there.loss
         if np.isfinite(there.loss) and gain > 0:
-            here, damping = there, damping / 10
-            beyond = here.loss - 0.5 * len(here.residual)
-            if gain < max(_GAIN, _SHARE * beyond) and damping < 1:
+            beyond = there.loss - 0.5 * len(there.residual)
+            small = gain < max(_GAIN, _SHARE * beyond) and damping <= _LITTLE
+            here, damping = there, max(damping / 10, _DAMPING)
+            if small:
                 break
         else:
-            damping *= 10
+            damping *= 100
             if damping > 1e4:
                 break
     return here
 
 
-def _at(objective: Objective, point: Extended, ways: Float[np.ndarray, "free entries"]) -> Ended:
-    residual, slopes = columns(objective, point, ways)
-    return Ended(point, residual, slopes, 0.5 * float(residual @ residual))
+def _at(
+    objective: Objective,
+    point: Extended,
+    ways: Float[np.ndarray, "free entries"],
+    allowed: Allowance,
+) -> Ended:
+    raw, slopes = columns(objective, point, ways)
+    residual = allowed.whiten(raw[:, None])[:, 0]
+    return Ended(point, residual, allowed.whiten(slopes), 0.5 * float(residual @ residual))

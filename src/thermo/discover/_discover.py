@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 from scipy.stats import norm
 
+from thermo.discover._allowance import NOTHING_ALLOWED, allowance
 from thermo.discover._bench import Apart, Bench, corrected, finer_runs, set_up, usual_errors
 from thermo.discover._candidate import Candidate
 from thermo.discover._descent import Ended
@@ -125,7 +126,7 @@ def _begin(bench: Bench, every: tuple[Candidate, ...], say: Say) -> tuple[Standi
     point = bench.first(tuple(one for one in every if not one.card.law))
     first = {one.card.name: one for one in every}
     nothing = Ended(point, np.zeros(0), np.zeros((0, 0)), np.inf)
-    standing = Standing(bench, first, point, (), nothing, [], np.zeros((0, 0)))
+    standing = Standing(bench, first, point, (), nothing, NOTHING_ALLOWED)
     standing = fitted(standing, times=0)
     say("measuring what cells and steps make wrong")
     standing = fitted(standing, times=1)
@@ -133,7 +134,6 @@ def _begin(bench: Bench, every: tuple[Candidate, ...], say: Say) -> tuple[Standi
     wanted = finer_runs(standing.bench, standing.point)
     left = usual_errors(standing.bench, standing.point, wanted)
     bench = corrected(standing.bench, standing.point, wanted)
-    standing = fitted(replace(standing, bench=bench), times=0)
     runs = blocks(bench.coarse, bench.task, left)
     count = len(standing.ended.residual)
     small = replace(standing.point, candidates=())
@@ -141,7 +141,8 @@ def _begin(bench: Bench, every: tuple[Candidate, ...], say: Say) -> tuple[Standi
         error_columns(runs, bench.coarse, left, count),
         stamp_columns(runs, bench.coarse, readings(bench.coarse, small), count),
     )
-    return replace(standing, runs=runs, errors=np.concatenate(errors, 1)), left
+    allowed = allowance(runs, np.concatenate(errors, 1))
+    return fitted(replace(standing, bench=bench, allowed=allowed), times=0), left
 
 
 def _sizes(begun: Standing, left: Apart) -> dict[str, float]:

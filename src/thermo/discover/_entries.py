@@ -54,7 +54,8 @@ def field_entries(point: Extended) -> Free:
     leaves = [np.asarray(leaf).ravel() for leaf in jax.tree.leaves(numbers(point).at.fields)]
     number = np.concatenate(leaves).astype(int)
     wide = np.full(len(number), np.inf)
-    return Free(number, np.full(len(number), _FIELD), -wide, wide)
+    every = np.ones(len(number), bool)
+    return Free(number, np.full(len(number), _FIELD), -wide, wide, every)
 
 
 def entry_of(point: Extended, active: Active) -> Entry:
@@ -79,6 +80,7 @@ def free_entries(
             np.full(count, 0.5 * card.typical),
             np.full(count, card.low),
             np.full(count, card.high),
+            np.zeros(count, bool),
         )
     ]
     if before.place is not None and at.place is not None:
@@ -86,9 +88,10 @@ def free_entries(
         if at.place.centre is not None:
             centre = np.asarray(at.place.centre[entry.part]).astype(int)
             way = np.broadcast_to(sizes, 3)
-            parts.append(Free(centre, np.array(way), corners[0], corners[1]))
+            parts.append(Free(centre, np.array(way), corners[0], corners[1], np.zeros(3, bool)))
         number = np.atleast_1d(np.asarray(at.place.size[entry.part])).astype(int)
-        parts.append(Free(number, 0.5 * sizes, _SMALLER * sizes, _LARGER * sizes))
+        plain = np.zeros(len(number), bool)
+        parts.append(Free(number, 0.5 * sizes, _SMALLER * sizes, _LARGER * sizes, plain))
     return joined(*parts)
 
 
@@ -99,4 +102,5 @@ def joined(*parts: Free) -> Free:
         np.concatenate([one.scale for one in parts]),
         np.concatenate([one.low for one in parts]),
         np.concatenate([one.high for one in parts]),
+        np.concatenate([one.logarithm for one in parts]),
     )

@@ -12,7 +12,6 @@ from thermo.discover._entries import Active, Entry, entry_of
 from thermo.discover._extended import readings
 from thermo.discover._scores import ScoreTable
 from thermo.discover._search import Refit, Standing, free_of
-from thermo.discover._softening import softened
 from thermo.discover._verdict import Candidacy, Effect, Round
 from thermo.inverse import NORMAL
 from thermo.mesh import face_areas
@@ -27,33 +26,25 @@ def make_round(before: Standing, made: list[Refit], table: ScoreTable) -> Round:
     Source: McCullagh and Nelder, Generalized Linear Models (1989), section 9.2, quasi-likelihood.
     """
     best = made[0]
-    spread = misfit(best.standing)
-    least = best.standing.loss()
-    gain = 2 * (before.loss() - least) / spread
+    spread = best.standing.misfit()
+    least = min(one.standing.loss() for one in made)
+    gain = 2 * (before.loss() - best.standing.loss()) / spread
+    first = best.standing.criterion(spread)
     near = [
-        one.name()
-        for one in made
-        if 2 * (one.standing.loss() - least) / spread < table.threshold**2
+        one.name() for one in made if one.standing.criterion(spread) - first < table.threshold**2
     ]
     left = {one.name(): (one.standing.loss() - least) for one in made}
     whole = max(before.loss() - least, 1e-12)
-    free = len(best.standing.ended.slopes.T) - len(before.ended.slopes.T)
     return Round(
         candidates=candidacies(table, left, whole),
         threshold=table.threshold,
         effect=effect_of(best.standing, best.standing.active[-1], spread),
         together=near,
-        p_value=float(chi2.sf(gain, free)),
+        p_value=float(chi2.sf(gain, best.standing.free() - before.free())),
         rms_before=rms(before),
         rms_after=rms(best.standing),
         closed=share_closed(before, best.standing),
     )
-
-
-def misfit(standing: Standing) -> float:
-    """Variance of what is left in the smooth shapes over that of noise, 1 at the least [1]."""
-    told, count = standing.gap()
-    return max(1.0, told / count)
 
 
 def share_closed(before: Standing, after: Standing) -> float:
@@ -103,7 +94,7 @@ def effect_of(standing: Standing, active: Active, spread: float) -> Effect:
     point = standing.point
     entry = entry_of(point, active)
     free = free_of(standing)
-    slopes = softened(standing.runs, standing.ended.slopes)
+    slopes = standing.ended.slopes
     covariance = np.linalg.pinv(slopes.T @ slopes, hermitian=True) * spread
     number = int(np.flatnonzero(free.number == entry.strengths[-1])[0])
     sd = float(np.sqrt(covariance[number, number]) * free.scale[number])
@@ -119,7 +110,7 @@ def with_joint_effects(rounds: list[Round], last: Standing) -> list[Round]:
 
     What an effect was fitted to alone holds a part of those that came later.
     """
-    spread = misfit(last)
+    spread = last.misfit()
     pairs = zip(rounds, last.active, strict=True)
     return [replace(one, effect=effect_of(last, active, spread)) for one, active in pairs]
 

@@ -10,6 +10,7 @@ import jax
 import numpy as np
 from jaxtyping import Float, Int
 
+from thermo.discover._allowance import Allowance
 from thermo.discover._bench import Bench, corrected, finer_runs, steps_for
 from thermo.discover._candidate import Candidate
 from thermo.discover._descent import Ended, Free, descend
@@ -23,9 +24,9 @@ from thermo.discover._entries import (
     joined,
 )
 from thermo.discover._extended import Extended, signatures
-from thermo.discover._projection import Projection, projection
+from thermo.discover._projection import projection
 from thermo.discover._scores import Score, ScoreTable, credible, score_table
-from thermo.discover._softening import Block, omnibus, softened
+from thermo.discover._softening import omnibus
 
 # Kinds that are refitted at the most, and those of which what cells make wrong is measured anew.
 _REFITTED: Final = 6
@@ -45,7 +46,7 @@ class Standing:
     """Where the search stands: a point, which parts of its candidates are at work, and the fit.
 
     - `first`: every candidate by name, its places where it is looked for at first.
-    - `errors`: columns of what cells, steps and stamps may have left wrong, (values, errors) [1].
+    - `allowed`: what cells, steps, stamps and the stated model may be wrong by.
     """
 
     bench: Bench
@@ -53,21 +54,32 @@ class Standing:
     point: Extended
     active: tuple[Active, ...]
     ended: Ended
-    runs: list[Block]
-    errors: Float[np.ndarray, "values errors"]
-
-    def soft(self) -> Float[np.ndarray, " values"]:
-        """The residual [1], softened."""
-        return softened(self.runs, self.ended.residual[:, None])[:, 0]
+    allowed: Allowance
 
     def loss(self) -> float:
-        """Half the sum of squares of the softened residual [1]."""
-        return 0.5 * float(np.sum(self.soft() ** 2))
+        """Half the sum of squares of what is left [1]."""
+        return self.ended.loss
+
+    def free(self) -> int:
+        """How many entries were fitted [1]."""
+        return self.ended.slopes.shape[1]
 
     def gap(self) -> tuple[float, int]:
         """Sum of squares in the smooth shapes, and how many there are [1]."""
-        told, count, _ = omnibus(self.runs, self.soft())
+        told, count, _ = omnibus(self.allowed.runs, self.ended.residual)
         return told, count
+
+    def misfit(self) -> float:
+        """Variance of what is left in the smooth shapes over that of noise, 1 at the least [1]."""
+        told, count = self.gap()
+        return max(1.0, told / count)
+
+    def criterion(self, spread: float) -> float:
+        """Akaike's criterion with a variance of `spread`, 2 loss / spread + 2 free [1].
+
+        Source: Burnham and Anderson, Model Selection (2002), section 2.5, QAIC.
+        """
+        return 2 * self.ended.loss / spread + 2 * self.free()
 
 
 def free_of(standing: Standing) -> Free:
@@ -93,7 +105,7 @@ def fitted(standing: Standing, *, times: int) -> Standing:
         bench = small.bench
         if number < times:
             bench = corrected(bench, small.point, finer_runs(bench, small.point))
-        ended = descend(steps_for(bench.coarse, small.point), small.point, free)
+        ended = descend(steps_for(bench.coarse, small.point), small.point, free, small.allowed)
         small = replace(small, bench=bench, point=ended.point, ended=ended)
     back = tuple(
         _put_back(one, few, kept[one.card.name])
@@ -144,12 +156,6 @@ def _put_back(one: Candidate, few: Candidate, parts: Parts) -> Candidate:
     return replace(one, strength=one.strength.at[parts].set(few.strength), place=place)
 
 
-def nuisances(standing: Standing) -> Projection:
-    """What is free at a standing, and what cells and steps may have left wrong."""
-    slopes = softened(standing.runs, standing.ended.slopes)
-    return projection(slopes, softened(standing.runs, standing.errors))
-
-
 def scored(standing: Standing, laws: tuple[Candidate, ...], *, alpha: float) -> ScoreTable:
     """The table of all candidates but those at work."""
     point = standing.point
@@ -160,8 +166,8 @@ def scored(standing: Standing, laws: tuple[Candidate, ...], *, alpha: float) -> 
         _signatures(standing, at, some) for at, some in ((point, here), (beside, there)) if some
     ]
     return score_table(
-        [*here, *there], softened(standing.runs, np.concatenate(parts, 1)), standing.soft(),
-        nuisances(standing), alpha=alpha,
+        [*here, *there], standing.allowed.whiten(np.concatenate(parts, 1)),
+        standing.ended.residual, projection(standing.ended.slopes), alpha=alpha,
     )  # fmt: skip
 
 
@@ -218,8 +224,15 @@ def refits(
     for score in order:
         say(f"refitting {score.entry.card.name}, score {score.z:.1f}")
         made.append(_put_to_work(standing, score, laws))
-    made.sort(key=lambda one: one.standing.loss())
-    return _measured_anew(standing, made, say)
+    return _measured_anew(standing, in_order(made), say)
+
+
+def in_order(made: list[Refit]) -> list[Refit]:
+    """Refits by Akaike's criterion, what the closest of them leaves counted as noise."""
+    if not made:
+        return made
+    spread = min(made, key=lambda one: one.standing.loss()).standing.misfit()
+    return sorted(made, key=lambda one: one.standing.criterion(spread))
 
 
 def _put_to_work(standing: Standing, score: Score, laws: tuple[Candidate, ...]) -> Refit:
@@ -236,17 +249,18 @@ def _measured_anew(standing: Standing, made: list[Refit], say: Say) -> list[Refi
     """Those near the best, fitted once more with what cells make wrong where they stand."""
     if not made:
         return made
-    before, least = standing.loss(), made[0].standing.loss()
+    before, least = standing.loss(), min(one.standing.loss() for one in made)
     near = [one for one in made if one.standing.loss() <= least + _NEAR * (before - least)]
     near = near[:_MEASURED]
     again = []
     for one in near:
         say(f"measuring the cells' error with {one.name()}")
         again.append(replace(one, standing=fitted(one.standing, times=1)))
-    again.sort(key=lambda one: one.standing.loss())
+    again = in_order(again)
     say(f"and once more with {again[0].name()}")
     again[0] = replace(again[0], standing=fitted(again[0].standing, times=1))
-    return again + [one for one in made if all(one is not other for other in near)]
+    others = [one for one in made if all(one is not other for other in near)]
+    return in_order(again) + others
 
 
 def with_all(refit: Refit, before: Standing) -> Standing:

@@ -1,0 +1,91 @@
+"""Least squares within bounds, on functions whose least is known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from jax.flatten_util import ravel_pytree
+
+from thermo.discover import _descent
+from thermo.discover._allowance import NOTHING_ALLOWED
+from thermo.discover._descent import Ended, Free, descend
+from thermo.discover._extended import Extended
+from thermo.inverse import Objective
+
+from .lit_objective import objective
+
+Residual = Callable[[jax.Array], jax.Array]
+
+
+@pytest.fixture(scope="module")
+def real() -> Objective:
+    return objective()
+
+
+def least(
+    monkeypatch: pytest.MonkeyPatch, real: Objective, function: Residual, begin: list[float],
+    logarithm: list[bool], low: float = -np.inf, high: float = np.inf,
+) -> tuple[Ended, int]:  # fmt: skip
+    """Where a descent ends whose residual is a function of the point, and its number of trials."""
+    trials = 0
+
+    def columns(given: Objective, point: Extended, ways: np.ndarray) -> tuple[np.ndarray, ...]:
+        nonlocal trials
+        trials += 1
+        assert given is real
+        flat = ravel_pytree(point)[0]
+        return np.asarray(function(flat)), np.asarray(jax.jacobian(function)(flat)) @ ways.T
+
+    monkeypatch.setattr(_descent, "columns", columns)
+    count = len(begin)
+    free = Free(
+        np.arange(count), np.full(count, 0.5), np.full(count, low), np.full(count, high),
+        np.array(logarithm),
+    )  # fmt: skip
+    point = Extended({"some": jnp.asarray(begin)}, ())
+    return descend(real, point, free, NOTHING_ALLOWED), trials
+
+
+def test_two_coefficients_of_exchange_that_hide_each_other_are_told_apart(
+    monkeypatch: pytest.MonkeyPatch, real: Objective
+) -> None:
+    # The sum is seen a thousand times better than the difference, one is fitted by its logarithm.
+    def both(at: jax.Array) -> jax.Array:
+        one, other = 10 * jnp.exp(at[0]), 10 * at[1]
+        return jnp.stack([1000 * (one + other - 10), one - other - 3])
+
+    ended, trials = least(monkeypatch, real, both, [0.0, 0.0], [True, False])
+    found = np.asarray(ravel_pytree(ended.point)[0])
+    np.testing.assert_allclose([np.exp(found[0]), found[1]], [0.65, 0.35], rtol=1e-2)
+    assert ended.loss < 0.01 and trials <= 5
+
+
+def test_a_curved_valley_is_followed_to_its_end(
+    monkeypatch: pytest.MonkeyPatch, real: Objective
+) -> None:
+    def valley(at: jax.Array) -> jax.Array:
+        return jnp.stack([10 * (at[1] - at[0] ** 2), 3 * (1 - at[0])])
+
+    ended, _ = least(monkeypatch, real, valley, [-1.0, 1.0], [False, False])
+    np.testing.assert_allclose(np.asarray(ravel_pytree(ended.point)[0]), 1.0, atol=0.05)
+
+
+def test_bounds_hold_and_the_rest_goes_on(monkeypatch: pytest.MonkeyPatch, real: Objective) -> None:
+    ended, _ = least(
+        monkeypatch, real, lambda at: 10 * (at - jnp.array([3.0, 0.2])), [0.0, 0.0], [False, False],
+        -1.0, 1.0,
+    )  # fmt: skip
+    np.testing.assert_allclose(np.asarray(ravel_pytree(ended.point)[0]), [1.0, 0.2], atol=1e-3)
+
+
+def test_a_logarithm_steps_by_the_share_of_its_value_and_never_below_nothing() -> None:
+    wide = np.full(2, 9.0)
+    free = Free(np.arange(2), np.ones(2), -wide, wide, np.array([True, False]))
+    after = free.after(np.array([2.0, 2.0]), np.array([0.5, 0.5]))
+    np.testing.assert_allclose(after, [2 + np.log(1.5), 2.5])
+    after = free.after(np.array([2.0, 2.0]), np.array([-7.0, -7.0]))
+    np.testing.assert_allclose(after, [2 + np.log(0.1), 0.0])
