@@ -72,6 +72,9 @@ def corrected(bench: Bench, point: Extended, wanted: Apart) -> Bench:
     `wanted`: what `finer_runs` reads there [K].
     """
     none = [jnp.zeros_like(one) for one in wanted]
+    # Where nothing is at work a program of the stated model does; else one serves all refits.
+    if not _at_work(point):
+        point = replace(point, candidates=())
     bare = steps_for(with_defects(bench.coarse, none), point)
     return replace(bench, coarse=with_defects(bench.coarse, _apart(wanted, bare, point)))
 
@@ -94,7 +97,12 @@ def _apart(wanted: Apart, objective: Objective, point: Extended) -> Apart:
 def finer_runs(bench: Bench, point: Extended) -> Apart:
     """What a point reads on the finer mesh [K], laid out as the cases of the bench."""
     # What is absent changes nothing, and a smaller program compiles sooner.
-    fields = point.fields
-    candidates = tuple(one for one in point.candidates if np.any(np.asarray(one.strength)))
-    made = finer_readings(bench.task, bench.ready, bench.coarse, fields, bench.finer, candidates)
+    made = finer_readings(
+        bench.task, bench.ready, bench.coarse, point.fields, bench.finer, _at_work(point)
+    )
     return [jnp.asarray(one) for one in made]
+
+
+def _at_work(point: Extended) -> tuple[Candidate, ...]:
+    """Candidates of any strength but zero."""
+    return tuple(one for one in point.candidates if np.any(np.asarray(one.strength)))
