@@ -61,6 +61,8 @@ def record(verdict: str, **more: Any) -> dict[str, Any]:
         "verdict": verdict, "sentences": [f"It is {verdict}, <i>so</i>.", "On other it falls."],
         "effects": [rounds[0]["best"]] if verdict in ("named", "inseparable") else [],
         "rounds": rounds, "candidates": table(), "threshold": 4.21,
+        "alias": {"hidden_source": {"hidden_source": 1.0, "<b>void</b>": 0.37},
+                  "<b>void</b>": {"hidden_source": 0.37, "<b>void</b>": 1.0}},
         "held_out": {"other & all": other, "calm": calm},
         "numerics": {"cells_and_steps_K": {"lamp": 0.0071, "dark": 0.0012}},
         "noise": {"lamp": 0.051, "dark": 0.049},
@@ -231,6 +233,11 @@ def test_a_browser_draws_the_page_without_errors(verdict: str, tmp_path: Path) -
     assert [line for line in said if not any(word in line for word in slow)] == []
     # Scores and held-out runs in drawings of their own, with the threshold and names as they are.
     drawn = shown(done.stdout)
-    assert drawn.count('class="main-svg"') >= 4 and "stroke-dasharray" in drawn
+    assert drawn.count('class="main-svg"') >= 6 and "0.37" in drawn and "stroke-dasharray" in drawn
     assert drawn.count("&lt;b onclick='x()'&gt;glow&lt;/b&gt; &amp; more</text>") == 1
     assert "<b onclick" not in drawn
+
+
+def test_with_fewer_than_two_candidates_there_is_no_matrix() -> None:
+    page = discovery_page(record("no_gap", alias={"void": {"void": 1.0}}), "A body")
+    assert "There are no two candidates to compare." in page

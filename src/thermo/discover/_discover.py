@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 from scipy.stats import norm
 
+from thermo.discover._aliases import aliases
 from thermo.discover._allowance import NOTHING_ALLOWED, allowance
 from thermo.discover._bench import Apart, Bench, corrected, finer_runs, set_up, usual_errors
 from thermo.discover._candidate import Candidate
@@ -101,6 +102,7 @@ def discover(
         cells=_sizes(begun, left),
         noise={run.name: estimate_noise(run.recording).white for run in task.runs},
         parameters=_parameters(begun, path.standing),
+        alias=aliases(path.table),
         omnibus=(by_shapes(begun), by_shapes(path.standing)),
         point=path.standing.point,
         remarks=path.remarks + ([] if proof else [_UNPROVED]),

@@ -48,12 +48,12 @@ def make_round(before: Standing, made: list[Refit], table: ScoreTable) -> Round:
 
 
 def share_closed(before: Standing, after: Standing) -> float:
-    """Share of what is beyond noise in the smooth shapes that is gone after [1].
+    """Share of what is beyond noise in the smooth shapes that is gone after, 1 at the most [1].
 
     A gap within the scatter of noise is no measure: that scatter is then.
     """
     (told, count), (rest, _) = before.gap(), after.gap()
-    return float((told - rest) / max(told - count, np.sqrt(2 * count)))
+    return min(1.0, float((told - rest) / max(told - count, np.sqrt(2 * count))))
 
 
 def candidacies(table: ScoreTable, left: dict[str, float], whole: float) -> list[Candidacy]:

@@ -94,6 +94,7 @@ class Verdict:
     - `cells`: what a fit's usual cells and steps make wrong, by run [K]; it is taken off, and a
       third of it is allowed for.
     - `noise`: of a reading by run [K]; `parameters`: medians of the fields before and after [SI].
+    - `alias`: how alike the best parts of two kinds are, beside the unknowns [1].
     - `omnibus`: probability of as large a misfit in smooth shapes without and with effects [1].
     """
 
@@ -106,6 +107,7 @@ class Verdict:
     cells: Mapping[str, float]
     noise: Mapping[str, float]
     parameters: Mapping[str, tuple[float, float]]
+    alias: Mapping[str, Mapping[str, float]]
     omnibus: tuple[float, float]
     point: Extended
     remarks: list[str] = field(default_factory=list)

@@ -11,7 +11,7 @@ from plotly.offline import get_plotlyjs
 
 from thermo.fields import QUANTITIES
 
-from ._discovery_plots import held_out_bars, score_bars, spoken
+from ._discovery_plots import alias_matrix, held_out_bars, score_bars, spoken
 from ._identifiability_page import _STYLE, _plots, _section, _table
 
 _MORE = """
@@ -36,6 +36,7 @@ def discovery_page(record: Mapping[str, Any], title: str) -> str:
         _section("Rounds", "rounds", _rounds(record)),
         _section("Scores of the candidates", "scores", _scores(record)),
         _section("All candidates", "candidates", _candidates(record)),
+        _section("Which hide behind which", "alias", _alias(record)),
         _section("Runs that were not fitted", "held_out", _held_out(record)),
         _section("Parameters before and after", "parameters", _parameters(record)),
         _section("What could have been missed", "missed", _missed(record)),
@@ -155,6 +156,18 @@ def _candidates(record: Record) -> str:
     ]
     kinds = [_kind(one, record, threshold) for one in found]
     return _table(header, rows, kinds) + _note(_CANDIDATES)
+
+
+def _alias(record: Record) -> str:
+    found = record["alias"]
+    if len(found) < 2:
+        return _note("There are no two candidates to compare.")
+    words = (
+        "Cosines between what two candidates do to the readings of the fitted runs, where the "
+        "unknowns give way, at the best place of each. Those near one cannot be told apart while "
+        "they are weak; their places and strengths may tell them apart when they are strong."
+    )
+    return _plots([alias_matrix(found)], "alias") + _note(words)
 
 
 def _alone(one: Record) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from plotly.graph_objects import Bar, Figure
+from plotly.graph_objects import Bar, Figure, Heatmap
 
 from ._identifiability_plots import _titled
 
@@ -51,6 +51,21 @@ def score_bars(found: Sequence[Record], threshold: float) -> Figure:
     else:
         figure.update_xaxes(range=[0, 1.15 * high])
     return figure.update_yaxes(autorange="reversed", type="category")
+
+
+def alias_matrix(found: Mapping[str, Mapping[str, float]]) -> Figure:
+    """How alike the effects of two candidates are, 0 to 1 [1]."""
+    names = [html.escape(spoken(one)) for one in found]
+    values = [[row[other] for other in found] for row in found.values()]
+    drawn = Heatmap(
+        x=names, y=names, z=values, zmin=0.0, zmax=1.0, colorscale="Blues",
+        text=[[f"{one:.2f}" for one in row] for row in values], texttemplate="%{text}",
+        colorbar={"title": "cosine"},
+    )  # fmt: skip
+    figure = _titled(
+        Figure(drawn), "How alike two effects are in these runs", "", "", 250 + 26 * len(names)
+    )
+    return figure.update_yaxes(autorange="reversed", type="category").update_xaxes(type="category")
 
 
 def held_out_bars(found: Mapping[str, Record]) -> Figure:

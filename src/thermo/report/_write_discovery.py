@@ -27,6 +27,7 @@ def discovery_record(found: Verdict) -> dict[str, Any]:
         "rounds": [_round(one) for one in found.rounds],
         "candidates": [_candidacy(one) for one in found.candidates],
         "threshold": found.threshold,
+        "alias": {name: dict(row) for name, row in found.alias.items()},
         "held_out": {
             name: {
                 "rms_before": one.rms_before,
