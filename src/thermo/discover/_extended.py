@@ -22,7 +22,7 @@ FEW, WIDTH = 4, 12
 """Directions that share one pass through each run [1]: two programs serve any number of them."""
 
 MANY = 32
-"""The same for strengths alone [1]."""
+"""The same for strengths alone, where there are more than a few [1]."""
 
 
 @final
@@ -137,9 +137,10 @@ def signatures(
     strength moves, follow with zeros.
     """
     parts = []
-    for begin in range(0, len(ways), MANY):
-        some = ways[begin : begin + MANY]
-        filled = np.zeros((MANY, ways.shape[1]))
+    width = FEW if len(ways) <= FEW else MANY
+    for begin in range(0, len(ways), width):
+        some = ways[begin : begin + width]
+        filled = np.zeros((width, ways.shape[1]))
         filled[: len(some)] = some
         parts.append(np.asarray(_signatures(objective, point, jnp.asarray(filled)))[:, : len(some)])
     found = np.concatenate(parts, 1)
