@@ -91,11 +91,12 @@ def test_a_field_that_varies_is_measured_as_it_stands(
 ) -> None:
     (even,) = defects(task, ready, plain)
     field = ready.fields["conductivity"]
-    moved = jnp.linspace(-1.0, 1.0, len(field.control_values()))
+    # Steep enough that no luck with a mesh hides it: 0.6 to 1.5 on four meshes.
+    moved = jnp.linspace(-2.0, 2.0, len(field.control_values()))
     tilted = field.with_parameters(field.parameters() + moved)
     (apart,) = defects(task, ready, replace(plain, fields={"conductivity": tilted}))
     # Were the field taken as one value they would be equal.
-    assert np.std(apart - even) > 0.03 * np.std(even)
+    assert np.abs(apart - even).max() > 0.3 * np.abs(even).max()
 
 
 def test_recordings_do_not_enter(task: Task, ready: Ready, plain: Objective) -> None:
