@@ -61,7 +61,7 @@ def test_two_coefficients_of_exchange_that_hide_each_other_are_told_apart(
     ended, trials = least(monkeypatch, real, both, [0.0, 0.0], [True, False])
     found = np.asarray(ravel_pytree(ended.point)[0])
     np.testing.assert_allclose([np.exp(found[0]), found[1]], [0.65, 0.35], rtol=1e-2)
-    assert ended.loss < 0.01 and trials <= 5
+    assert ended.loss() < 0.01 and trials <= 5
 
 
 def test_a_curved_valley_is_followed_to_its_end(

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from jaxtyping import Float
 
-from thermo.discover._scores import ScoreTable
+from thermo.discover._scores import ScoreTable, best_of_kinds
 
 
 def aliases(table: ScoreTable) -> Mapping[str, Mapping[str, float]]:
@@ -17,22 +17,14 @@ def aliases(table: ScoreTable) -> Mapping[str, Mapping[str, float]]:
     show where the other does. Of strengths that are joint it is the largest cosine between what
     two can do.
 
-    Source: section 6 of the design, P7; Bjoerck and Golub, Math. Comp. 27 (1973) 579, principal
-    angles.
+    Source: Bjoerck and Golub, Math. Comp. 27 (1973) 579, principal angles.
     """
-    places = dict(table.columns)
-    best: dict[str, int] = {}
-    for number, score in enumerate(table.scores):
-        name = score.entry.card.name
-        if name not in best or abs(score.z) > abs(table.scores[best[name]].z):
-            best[name] = number
-    order = sorted(best, key=lambda name: -abs(table.scores[best[name]].z))
+    best = best_of_kinds(table.scores)
     return {
-        one: {
-            other: _largest_cosine(table.alike, places[best[one]], places[best[other]])
-            for other in order
+        one.name(): {
+            other.name(): _largest_cosine(table.alike, one.columns, other.columns) for other in best
         }
-        for one in order
+        for one in best
     }
 
 

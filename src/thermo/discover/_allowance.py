@@ -21,6 +21,8 @@ class Allowance:
       that is taken off [1].
 
     Fits, scores and comparisons of rivals all use it, so that none gains by what is allowed for.
+
+    Source: Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001) 425, a discrepancy of the model.
     """
 
     runs: list[Block]

@@ -71,13 +71,26 @@ class Ended:
 
     - `point`; `residual`: (values,), `slopes`: (values, free) by scaled entries, both measured in
       what is allowed for [1].
-    - `loss`: half the sum of squares [1].
     """
 
     point: Extended
     residual: Float[np.ndarray, " values"]
     slopes: Float[np.ndarray, "values free"]
-    loss: float
+
+    def loss(self) -> float:
+        """Half the sum of squares [1]."""
+        return 0.5 * float(self.residual @ self.residual)
+
+    def fitted(self) -> int:
+        """How many entries were free [1]."""
+        return self.slopes.shape[1]
+
+    def criterion(self, spread: float) -> float:
+        """Akaike's criterion with a variance of `spread`, 2 loss / spread + 2 fitted [1].
+
+        Source: Burnham and Anderson, Model Selection (2002), section 2.5, QAIC.
+        """
+        return 2 * self.loss() / spread + 2 * self.fitted()
 
 
 def descend(objective: Objective, point: Extended, free: Free, allowed: Allowance) -> Ended:
@@ -106,9 +119,9 @@ def descend(objective: Objective, point: Extended, free: Free, allowed: Allowanc
         if not np.any(change):
             break
         there = _at(objective, moved(here.point, change), ways, allowed)
-        gain = here.loss - there.loss
-        if np.isfinite(there.loss) and gain > 0:
-            beyond = there.loss - 0.5 * len(there.residual)
+        gain = here.loss() - there.loss()
+        if np.isfinite(gain) and gain > 0:
+            beyond = there.loss() - 0.5 * len(there.residual)
             small = gain < max(_GAIN, _SHARE * beyond) and damping <= _LITTLE
             here, damping = there, max(damping / 10, _DAMPING)
             if small:
@@ -128,4 +141,4 @@ def _at(
 ) -> Ended:
     raw, slopes = columns(objective, point, ways)
     residual = allowed.whiten(raw[:, None])[:, 0]
-    return Ended(point, residual, allowed.whiten(slopes), 0.5 * float(residual @ residual))
+    return Ended(point, residual, allowed.whiten(slopes))

@@ -127,7 +127,7 @@ def _begin(bench: Bench, every: tuple[Candidate, ...], say: Say) -> tuple[Standi
     # Laws make another program, and stand in the point only where one of them is at work.
     point = bench.first(tuple(one for one in every if not one.card.law))
     first = {one.card.name: one for one in every}
-    nothing = Ended(point, np.zeros(0), np.zeros((0, 0)), np.inf)
+    nothing = Ended(point, np.zeros(0), np.zeros((0, 0)))
     standing = Standing(bench, first, point, (), nothing, NOTHING_ALLOWED)
     standing = fitted(standing, times=0)
     say("measuring what cells and steps make wrong")

@@ -16,7 +16,7 @@ class Projection(eqx.Module):
 
     - `columns`: A, (values, free) [1]; `factor`: of A' A, its Cholesky factor [1].
 
-    Source: section 6 of the design, P; Rao 1948, scores with nuisances.
+    Source: Rao, Proc. Camb. Phil. Soc. 44 (1948) 50, scores beside what is estimated.
     """
 
     columns: Float[np.ndarray, "values free"]

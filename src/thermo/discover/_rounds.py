@@ -10,7 +10,7 @@ from scipy.stats import chi2
 from thermo.discover._bench import steps_for
 from thermo.discover._entries import Active, Entry, entry_of
 from thermo.discover._extended import readings
-from thermo.discover._scores import ScoreTable
+from thermo.discover._scores import ScoreTable, best_of_kinds
 from thermo.discover._search import Refit, Standing, free_of
 from thermo.discover._verdict import Candidacy, Effect, Round
 from thermo.inverse import NORMAL
@@ -27,20 +27,22 @@ def make_round(before: Standing, made: list[Refit], table: ScoreTable) -> Round:
     """
     best = made[0]
     spread = best.standing.misfit()
-    least = min(one.standing.loss() for one in made)
-    gain = 2 * (before.loss() - best.standing.loss()) / spread
-    first = best.standing.criterion(spread)
+    ended = {one.name(): one.standing.ended for one in made}
+    least = min(one.loss() for one in ended.values())
+    first = ended[best.name()].criterion(spread)
     near = [
-        one.name() for one in made if one.standing.criterion(spread) - first < table.threshold**2
+        name for name, one in ended.items() if one.criterion(spread) - first < table.threshold**2
     ]
-    left = {one.name(): (one.standing.loss() - least) for one in made}
-    whole = max(before.loss() - least, 1e-12)
+    left = {name: one.loss() - least for name, one in ended.items()}
+    whole = max(before.ended.loss() - least, 1e-12)
+    gain = 2 * (before.ended.loss() - ended[best.name()].loss()) / spread
+    more = ended[best.name()].fitted() - before.ended.fitted()
     return Round(
         candidates=candidacies(table, left, whole),
         threshold=table.threshold,
         effect=effect_of(best.standing, best.standing.active[-1], spread),
         together=near,
-        p_value=float(chi2.sf(gain, best.standing.free() - before.free())),
+        p_value=float(chi2.sf(gain, more)),
         rms_before=rms(before),
         rms_after=rms(best.standing),
         closed=share_closed(before, best.standing),
@@ -58,12 +60,6 @@ def share_closed(before: Standing, after: Standing) -> float:
 
 def candidacies(table: ScoreTable, left: dict[str, float], whole: float) -> list[Candidacy]:
     """The best part of each kind, by its score; `left` of `whole` by the kinds refitted [1]."""
-    best = {}
-    for score in table.scores:
-        name = score.entry.card.name
-        if name not in best or abs(score.z) > abs(best[name].z):
-            best[name] = score
-    order = sorted(best.values(), key=lambda one: -abs(one.z))
     return [
         Candidacy(
             one.entry.card,
@@ -71,9 +67,9 @@ def candidacies(table: ScoreTable, left: dict[str, float], whole: float) -> list
             float(one.strength[-1]),
             one.sd,
             one.visible,
-            left[one.entry.card.name] / whole if one.entry.card.name in left else None,
+            left[one.name()] / whole if one.name() in left else None,
         )
-        for one in order
+        for one in best_of_kinds(table.scores)
     ]
 
 

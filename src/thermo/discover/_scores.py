@@ -26,6 +26,7 @@ class Score:
     - `entry`; `z`: score in standard deviations, a normal equivalent where strengths are joint [1].
     - `strength`: predicted, (strengths,) in the card's unit; `sd`: of the last of them.
     - `visible`: share of the signature that the unknowns do not swallow [1].
+    - `columns`: where it stands in `ScoreTable.alike`.
     """
 
     entry: Entry
@@ -33,6 +34,11 @@ class Score:
     strength: Float[np.ndarray, " strengths"]
     sd: float
     visible: float
+    columns: slice
+
+    def name(self) -> str:
+        """Of the kind."""
+        return self.entry.card.name
 
 
 @final
@@ -40,14 +46,13 @@ class Score:
 class ScoreTable:
     """The scores of all parts that could be seen, and the threshold of the largest [1].
 
-    - `alike`: correlation of the scores, by the order of `columns`, (columns, columns) [1].
+    - `alike`: correlation of the scores of all strengths, (columns, columns) [1].
     """
 
     scores: list[Score]
     unseen: list[Entry]
     threshold: float
     alike: Float[np.ndarray, "columns columns"]
-    columns: list[tuple[int, slice]]
 
 
 def score_table(
@@ -59,10 +64,11 @@ def score_table(
     alpha: float,
     seed: int = 0,
 ) -> ScoreTable:
-    """Lagrange-multiplier scores z = g' S^-1 r / (g' S^-1 g)^1/2 of all candidates.
+    """Lagrange-multiplier scores z = -g' P r / (g' P g)^1/2 of all candidates.
 
     Arguments:
 
+    - `free`: P, what the unknowns leave of values [1].
     - `found`: parts, whose `signatures` stand column by column, each by its typical strength [1].
     - `residual`: simulation less readings, whitened, at an optimum of what is `free` [1].
     - `alpha`: chance of the largest score of all to pass the threshold where nothing is missing.
@@ -75,7 +81,7 @@ def score_table(
     pull = -(left.T @ residual)
     raw = np.sqrt((signatures**2).sum(0))
     size = np.sqrt(np.maximum(np.diag(product), 0.0))
-    scores, unseen, columns, kept = [], [], [], []
+    scores, unseen, kept = [], [], []
     begin = 0
     for entry in found:
         part = np.arange(begin, begin + len(entry.strengths))
@@ -87,8 +93,6 @@ def score_table(
         strength = inverse @ pull[part]
         told = float(pull[part] @ strength)
         z = float(np.sign(pull[part[-1]]) * _normal_equivalent(told, len(part)))
-        columns.append((len(scores), slice(len(kept), len(kept) + len(part))))
-        kept.extend(part)
         scores.append(
             Score(
                 entry,
@@ -96,13 +100,22 @@ def score_table(
                 strength * entry.card.typical,
                 float(np.sqrt(inverse[-1, -1])) * entry.card.typical,
                 float(size[part].max() / max(raw[part].max(), 1e-300)),
+                slice(len(kept), len(kept) + len(part)),
             )
         )
+        kept.extend(part)
     # One strength of several may show nothing.
     length = np.where(size > 0, size, 1.0)[kept]
     unit = product[np.ix_(kept, kept)] / np.outer(length, length)
-    threshold = _threshold(unit, columns, scores, alpha, seed)
-    return ScoreTable(scores, unseen, threshold, unit, columns)
+    return ScoreTable(scores, unseen, _threshold(unit, scores, alpha, seed), unit)
+
+
+def best_of_kinds(scores: Sequence[Score]) -> list[Score]:
+    """Of each kind the part of the largest score, the largest of all first."""
+    best: dict[str, Score] = {}
+    for score in sorted(scores, key=lambda one: -abs(one.z)):
+        best.setdefault(score.name(), score)
+    return list(best.values())
 
 
 def credible(score: Score, threshold: float) -> bool:
@@ -121,25 +134,25 @@ def _normal_equivalent(told: float, count: int) -> float:
 
 def _threshold(
     unit: Float[np.ndarray, "columns columns"],
-    columns: Sequence[tuple[int, slice]],
     scores: Sequence[Score],
     alpha: float,
     seed: int,
 ) -> float:
     """What the largest score passes with chance `alpha` [1] where nothing is missing."""
-    if not columns:
+    if not scores:
         return float(norm.isf(alpha / 2))
     values, vectors = np.linalg.eigh(unit)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     draws = np.random.default_rng(seed).standard_normal((_DRAWS, len(unit))) @ root.T
     largest = np.zeros(_DRAWS)
-    for number, part in columns:
-        some = draws[:, part]
+    for score in scores:
+        some = draws[:, score.columns]
         if some.shape[1] == 1:
-            one_sided = scores[number].entry.card.low >= 0
+            one_sided = score.entry.card.low >= 0
             each = some[:, 0] if one_sided else np.abs(some[:, 0])
         else:
-            inverse = np.linalg.pinv(unit[part, part], rcond=1e-6, hermitian=True)
+            own = unit[score.columns, score.columns]
+            inverse = np.linalg.pinv(own, rcond=1e-6, hermitian=True)
             told = np.einsum("di,ij,dj->d", some, inverse, some)
             each = norm.isf(np.maximum(chi2.sf(told, some.shape[1]), 1e-200) / 2)
         largest = np.maximum(largest, each)

@@ -25,7 +25,7 @@ from thermo.discover._entries import (
 )
 from thermo.discover._extended import Extended, signatures
 from thermo.discover._projection import projection
-from thermo.discover._scores import Score, ScoreTable, credible, score_table
+from thermo.discover._scores import Score, ScoreTable, best_of_kinds, credible, score_table
 from thermo.discover._softening import omnibus
 
 # Kinds that are refitted at the most, and those of which what cells make wrong is measured anew.
@@ -33,7 +33,7 @@ _REFITTED: Final = 6
 _MEASURED: Final = 3
 # A kind is refitted where its score explains this share of what the best one does [1].
 _WORTH: Final = 0.05
-# Of the gap between no candidate and the best, how far behind one may be to be measured anew [1].
+# Of what the best gains by the criterion, how far behind one may be to be measured anew [1].
 _NEAR: Final = 0.3
 
 Say = Callable[[str], None]
@@ -56,14 +56,6 @@ class Standing:
     ended: Ended
     allowed: Allowance
 
-    def loss(self) -> float:
-        """Half the sum of squares of what is left [1]."""
-        return self.ended.loss
-
-    def free(self) -> int:
-        """How many entries were fitted [1]."""
-        return self.ended.slopes.shape[1]
-
     def gap(self) -> tuple[float, int]:
         """Sum of squares in the smooth shapes, and how many there are [1]."""
         told, count, _ = omnibus(self.allowed.runs, self.ended.residual)
@@ -73,13 +65,6 @@ class Standing:
         """Variance of what is left in the smooth shapes over that of noise, 1 at the least [1]."""
         told, count = self.gap()
         return max(1.0, told / count)
-
-    def criterion(self, spread: float) -> float:
-        """Akaike's criterion with a variance of `spread`, 2 loss / spread + 2 free [1].
-
-        Source: Burnham and Anderson, Model Selection (2002), section 2.5, QAIC.
-        """
-        return 2 * self.ended.loss / spread + 2 * self.free()
 
 
 def free_of(standing: Standing) -> Free:
@@ -205,34 +190,39 @@ class Refit:
 
     def name(self) -> str:
         """Of the candidate."""
-        return self.score.entry.card.name
+        return self.score.name()
 
 
 def refits(
     standing: Standing, table: ScoreTable, laws: tuple[Candidate, ...], say: Say
 ) -> list[Refit]:
     """The credible candidates put to work one by one, the best first."""
-    best: dict[str, Score] = {}
-    for score in table.scores:
-        name = score.entry.card.name
-        better = name not in best or abs(score.z) > abs(best[name].z)
-        if credible(score, table.threshold) and better:
-            best[name] = score
-    order = sorted(best.values(), key=lambda one: -abs(one.z))[:_REFITTED]
-    order = [one for one in order if one.z**2 >= _WORTH * order[0].z ** 2]
+    order = best_of_kinds([one for one in table.scores if credible(one, table.threshold)])
     made = []
-    for score in order:
-        say(f"refitting {score.entry.card.name}, score {score.z:.1f}")
-        made.append(_put_to_work(standing, score, laws))
-    return _measured_anew(standing, in_order(made), say)
+    for score in order[:_REFITTED]:
+        if score.z**2 >= _WORTH * order[0].z ** 2:
+            say(f"refitting {score.name()}, score {score.z:.1f}")
+            made.append(_put_to_work(standing, score, laws))
+    return _measured_anew(standing, made, say) if made else []
+
+
+def _spread(made: list[Refit]) -> float:
+    """What the closest of the refits leaves, counted as noise: its variance [1]."""
+    return min(made, key=lambda one: one.standing.ended.loss()).standing.misfit()
 
 
 def in_order(made: list[Refit]) -> list[Refit]:
     """Refits by Akaike's criterion, what the closest of them leaves counted as noise."""
-    if not made:
-        return made
-    spread = min(made, key=lambda one: one.standing.loss()).standing.misfit()
-    return sorted(made, key=lambda one: one.standing.criterion(spread))
+    spread = _spread(made)
+    return sorted(made, key=lambda one: one.standing.ended.criterion(spread))
+
+
+def near_best(before: Ended, made: list[Refit]) -> list[Refit]:
+    """Of refits in order the first, and those behind it by little of what it gains, a few."""
+    spread = _spread(made)
+    first = made[0].standing.ended.criterion(spread)
+    most = first + _NEAR * max(before.criterion(spread) - first, 0.0)
+    return [one for one in made if one.standing.ended.criterion(spread) <= most][:_MEASURED]
 
 
 def _put_to_work(standing: Standing, score: Score, laws: tuple[Candidate, ...]) -> Refit:
@@ -247,11 +237,8 @@ def _put_to_work(standing: Standing, score: Score, laws: tuple[Candidate, ...]) 
 
 def _measured_anew(standing: Standing, made: list[Refit], say: Say) -> list[Refit]:
     """Those near the best, fitted once more with what cells make wrong where they stand."""
-    if not made:
-        return made
-    before, least = standing.loss(), min(one.standing.loss() for one in made)
-    near = [one for one in made if one.standing.loss() <= least + _NEAR * (before - least)]
-    near = near[:_MEASURED]
+    made = in_order(made)
+    near = near_best(standing.ended, made)
     again = []
     for one in near:
         say(f"measuring the cells' error with {one.name()}")

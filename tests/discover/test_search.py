@@ -1,0 +1,96 @@
+"""How refits are compared: by what they leave, by how free they were, and by what noise is left."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from thermo.discover._allowance import Allowance
+from thermo.discover._candidate import Card
+from thermo.discover._descent import Ended
+from thermo.discover._entries import Entry
+from thermo.discover._extended import Extended
+from thermo.discover._rounds import share_closed
+from thermo.discover._scores import Score
+from thermo.discover._search import Refit, Standing, in_order, near_best
+from thermo.discover._softening import Block
+
+FRAMES, SAMPLES = 8, 5
+VALUES = FRAMES * SAMPLES
+NOTHING = Extended({}, ())
+
+
+def standing(left: float, free: int, smooth: float = 1.0) -> Standing:
+    """One that leaves a residual of this sum of squares, and this variance of smooth shapes."""
+    across, along = np.eye(SAMPLES)[:, :1], np.eye(FRAMES)[:, :1]
+    block = Block("run", slice(0, VALUES), (FRAMES, SAMPLES), along, across, 0.0)
+    residual = np.full(VALUES, np.sqrt((left - smooth) / (VALUES - 1)))
+    residual[0] = np.sqrt(smooth)
+    made = object.__new__(Standing)
+    allowed = Allowance([block], np.zeros((VALUES, 0)), np.zeros(0))
+    for name, value in [
+        ("ended", Ended(NOTHING, residual, np.zeros((VALUES, free)))), ("allowed", allowed),
+        ("active", ()), ("point", NOTHING),
+    ]:  # fmt: skip
+        object.__setattr__(made, name, value)
+    return made
+
+
+def refit(name: str, left: float, free: int, smooth: float = 1.0) -> Refit:
+    card = Card(name, "1", 1.0, -np.inf, np.inf, "", "", "")
+    score = Score(Entry(0, 0, card, np.array([0])), 5.0, np.ones(1), 0.2, 1.0, slice(0, 1))
+    return Refit(score, standing(left, free, smooth))
+
+
+def names(made: list[Refit]) -> list[str]:
+    return [one.name() for one in made]
+
+
+def test_a_loss_is_half_the_sum_of_squares_and_the_criterion_counts_what_was_free() -> None:
+    ended = standing(50.0, 3).ended
+    assert ended.loss() == pytest.approx(25.0)
+    assert ended.criterion(1.0) == pytest.approx(50.0 + 6.0)
+    assert ended.criterion(5.0) == pytest.approx(10.0 + 6.0)
+
+
+@pytest.mark.parametrize(("gain", "first"), [(9.0, "few"), (11.0, "many")])
+def test_more_that_is_free_has_to_gain_two_an_entry(gain: float, first: str) -> None:
+    made = [refit("many", 60.0 - gain, 7), refit("few", 60.0, 2)]
+    assert names(in_order(made))[0] == first
+
+
+def test_where_the_closest_leaves_more_than_noise_gains_count_for_less() -> None:
+    # A gain of 30 beats five entries more where the rest is noise, not where it has variance 4.
+    assert names(in_order([refit("few", 60.0, 2), refit("many", 30.0, 7)])) == ["many", "few"]
+    rough = [refit("few", 60.0, 2, smooth=5.0), refit("many", 30.0, 7, smooth=4.0)]
+    assert names(in_order(rough)) == ["few", "many"]
+
+
+def test_the_first_is_always_measured_anew_and_those_behind_by_little_of_its_gain() -> None:
+    before = standing(200.0, 2).ended
+    made = [refit("a", 50.0, 3), refit("b", 80.0, 3), refit("c", 120.0, 3), refit("d", 81.0, 3)]
+    # Three tenths of the gain of 148 are 44.
+    assert names(near_best(before, in_order(made))) == ["a", "b", "d"]
+    # The closest may be one that was free to be: what is first by the criterion is near itself.
+    worse = in_order([refit("free", 199.0, 30), refit("poor", 199.5, 3)])
+    assert names(near_best(before, worse)) == ["poor"]
+
+
+def test_at_most_three_are_measured_anew() -> None:
+    made = in_order([refit(f"n{number}", 50.0 + number, 3) for number in range(6)])
+    assert names(near_best(standing(500.0, 2).ended, made)) == ["n0", "n1", "n2"]
+
+
+def test_what_is_left_is_never_less_than_noise() -> None:
+    assert standing(50.0, 2, smooth=0.2).misfit() == 1.0
+    assert standing(50.0, 2, smooth=7.0).misfit() == pytest.approx(7.0)
+
+
+def test_the_share_closed_is_of_what_is_beyond_noise_and_one_at_the_most() -> None:
+    before = standing(200.0, 2, smooth=101.0)
+    assert share_closed(before, standing(100.0, 3, smooth=51.0)) == pytest.approx(0.5)
+    assert share_closed(before, standing(40.0, 3, smooth=0.1)) == 1.0
+    assert share_closed(before, before) == 0.0
+    # A gap within the scatter of one square of noise is no measure: that scatter is.
+    small = standing(60.0, 2, smooth=1.5)
+    assert share_closed(small, standing(60.0, 3)) == pytest.approx(0.5 / np.sqrt(2))
