@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from thermo.report._discovery_page import discovery_page
-from thermo.report._discovery_plots import score_bars
+from thermo.report._discovery_plots import alias_matrix, score_bars
 
 VERDICTS = ("named", "inseparable", "none_of_mine", "no_gap")
 MARKUP = "<b onclick='x()'>glow</b> & more"
@@ -207,6 +207,19 @@ def test_scores_over_more_than_two_decades_have_a_logarithmic_axis() -> None:
     assert wide.layout.shapes[0].x0 == 4.21 and wide.layout.shapes[0].line.width == 2
     near: Any = score_bars([candidate("void", -2.0), candidate("heater_lag", 9.0)], 4.21)
     assert near.layout.xaxis.type is None and list(near.data[0].y) == ["heater lag", "void"]
+
+
+def test_the_alias_matrix_shows_each_cosine_where_both_names_meet() -> None:
+    found = {
+        MARKUP: {MARKUP: 1.0, "heater_lag": 0.25},
+        "heater_lag": {MARKUP: 0.5, "heater_lag": 1.0},
+    }
+    drawn: Any = alias_matrix(found).data[0]
+    names = ["&lt;b onclick=&#x27;x()&#x27;&gt;glow&lt;/b&gt; &amp; more", "heater lag"]
+    assert list(drawn.x) == names and list(drawn.y) == names
+    assert [list(row) for row in drawn.z] == [[1.0, 0.25], [0.5, 1.0]]
+    assert [list(row) for row in drawn.text] == [["1.00", "0.25"], ["0.50", "1.00"]]
+    assert (drawn.zmin, drawn.zmax) == (0.0, 1.0)
 
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")

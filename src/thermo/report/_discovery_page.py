@@ -188,7 +188,7 @@ _CANDIDATES = (
     "All numbers are of round 1. Strength alone is what is foretold where nothing else is missing, "
     "with its standard deviation. Visible is the share of the signature that the unknowns do not "
     "swallow. Left when refitted is the share of the gap that a candidate leaves, where the gap is "
-    "what the best of them closes: the best leaves nothing."
+    "what the one that closes most does: that one leaves nothing."
 )
 
 
