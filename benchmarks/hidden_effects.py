@@ -9,6 +9,7 @@ effects of the library, seven that it lacks, six pairs.
 A case whose result lies in FOLDER is not made again, so that the suite can be interrupted.
 `--share 0/2` and `--share 1/2` make its halves side by side, body by body, since the cases of one
 body share compiled programs. `--table` writes the tables in benchmarks/results of what there is.
+`--check` prints how exact the recordings are.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from hidden._scenes import Case, Made, cases, make, the_body
+from hidden._scenes import Case, Made, cases, exactness, make, the_body
 
 from thermo.discover import Verdict, discover
 from thermo.inverse import Meshing
@@ -40,7 +41,12 @@ def main() -> None:
     parser.add_argument("--share", default="0/1")
     parser.add_argument("--only", default="", help="words in the names of the cases to run")
     parser.add_argument("--table", action="store_true")
+    parser.add_argument("--check", action="store_true")
     asked = parser.parse_args()
+    if asked.check:
+        for what, apart in exactness().items():
+            print(f"{what}: {1e3 * apart:.2g} mK", flush=True)
+        return
     suite = cases(asked.clean, asked.draws)
     if asked.table:
         rows = [one for case in suite if (one := result(asked.out, case))]

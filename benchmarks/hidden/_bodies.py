@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import trimesh
-from scipy.sparse import csr_array, vstack
+from scipy.sparse import csr_array
 from skfem import Basis, ElementTetP2, FacetBasis, MeshTet
 
 SHAPES = ("block", "plate", "cylinder", "ell", "dome")
@@ -117,8 +117,3 @@ def _matrix(basis: Basis | FacetBasis, parts: list[np.ndarray]) -> csr_array:
     row, column, value = np.concatenate(found, 1)
     whole = (len(rows), basis.N)
     return csr_array((value, (row.astype(int), column.astype(int))), shape=whole)
-
-
-def stacked(parts: tuple[csr_array, ...]) -> csr_array:
-    """Matrices one below the other."""
-    return csr_array(vstack(parts))

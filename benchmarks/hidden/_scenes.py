@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -35,6 +36,7 @@ LAMPS: dict[str, Lamp | None] = {
     "cooling": None,
     "held_out": Lamp((0.0, 0.004, 0.0), (0.0, 0.0, 1.0), 0.01, 3.5, 40.0, 1.0),
 }
+FITTED = ("lamp", "cooling")
 VISIBLE = 8.0
 """Effects are drawn until they are visible at this many deviations of the noise [1]."""
 
@@ -77,6 +79,25 @@ def cases(clean: int, draws: int) -> list[Case]:
     return sorted(found, key=lambda one: (one.shape, one.material))
 
 
+def exactness() -> dict[str, float]:
+    """By how much recordings change with steps of half the length or cells of two thirds [K].
+
+    Only of bodies whose shape does not depend on its cells.
+    """
+    found = {}
+    for shape in ("block", "plate"):
+        plain = stated(SHAPES[shape][0])
+        usual = readings(the_body(shape), plain)
+        finer = {
+            "steps": readings(the_body(shape), plain, finer=2.0),
+            "cells": readings(body(shape, SAMPLES, seed=1, finer=1.5), plain),
+        }
+        for what, one in finer.items():
+            for run in LAMPS:
+                found[f"{shape} {run} {what}"] = float(np.std(one[run] - usual[run]))
+    return found
+
+
 @cache
 def the_body(shape: str) -> Body:
     """Each body is made once."""
@@ -88,16 +109,18 @@ def stated(material: str) -> Physics:
     return Physics(*MATERIALS[material])
 
 
-def readings(shape: str, physics: Physics, changed: Callable[[Lamp], Lamp] = lambda one: one,
-             runs: Sequence[str] = tuple(LAMPS)) -> Readings:  # fmt: skip
-    """What the samples are at, by run, every `TICK` [K]."""
+def readings(
+    where: Body, physics: Physics, changed: Callable[[Lamp], Lamp] = lambda one: one,
+    runs: Sequence[str] = tuple(LAMPS), finer: float = 1.0,
+) -> Readings:  # fmt: skip
+    """What the samples are at, by run, every `TICK` [K]; `finer`: steps to the usual one [1]."""
     tick = np.arange(round((END + 4.0) / TICK) + 1) * TICK
     found = {}
     for run in runs:
         lamp = LAMPS[run]
         lamp = changed(lamp) if lamp else None
         initial = HOT if run == "cooling" else COLD
-        time, values = simulate(the_body(shape), physics, lamp, initial, tick[-1])
+        time, values = simulate(where, physics, lamp, initial, tick[-1], finer)
         # Smooth from switch to switch.
         ends = [0.0, *([lamp.until] if lamp else []), tick[-1]]
         made = np.zeros((len(tick), values.shape[1]))
@@ -117,7 +140,7 @@ def kept(folder: Path, name: str, make: Callable[[], Readings]) -> Readings:
             return dict(file)
     made = make()
     folder.mkdir(parents=True, exist_ok=True)
-    whole = folder / f"{name}.{id(made)}.tmp.npz"
+    whole = folder / f"{name}.{os.getpid()}.tmp.npz"
     np.savez(whole, **made)
     whole.replace(path)
     return made
@@ -140,7 +163,10 @@ def make(case: Case, folder: Path, usual: Path) -> Made:
     plain, where = stated(case.material), the_body(case.shape)
     for _ in range(60):
         hidden = [one(random, where) for one in case.makers]
-        visible = [_visible(one, case, usual) for one in hidden]
+        shown = [_shown(one, case, usual) for one in hidden]
+        visible = [
+            _visible(there, one, case, usual) for one, there in zip(hidden, shown, strict=True)
+        ]
         if not hidden or min(visible) >= VISIBLE:
             break
     else:
@@ -150,9 +176,11 @@ def make(case: Case, folder: Path, usual: Path) -> Made:
         physics, said = one.physics(physics), one.stated(said)
         lamp = _after(lamp, one.lamp)
     if all(not one.simulated() for one in hidden):
-        found = kept(usual, f"{case.shape}-{case.material}", lambda: readings(case.shape, plain))
+        found = kept(usual, f"{case.shape}-{case.material}", lambda: readings(where, plain))
     else:
-        found = readings(case.shape, physics, lamp)
+        # A single effect was simulated in the fitted runs when its size was measured.
+        done = shown[0] if len(hidden) == 1 else {}
+        found = done | readings(where, physics, lamp, [run for run in LAMPS if run not in done])
     for one in hidden:
         tick = np.arange(len(found["lamp"])) * TICK
         found = {run: one.read(tick, value, where.points) for run, value in found.items()}
@@ -164,11 +192,20 @@ def _after(one: Callable[[Lamp], Lamp], other: Callable[[Lamp], Lamp]) -> Callab
     return lambda lamp: other(one(lamp))
 
 
-def _visible(hidden: Hidden, case: Case, usual: Path) -> float:
+def _shown(hidden: Hidden, case: Case, usual: Path) -> Readings:
+    """The fitted runs with an effect [K]."""
+    plain, where = stated(case.material), the_body(case.shape)
+    if hidden.simulated():
+        return readings(where, hidden.physics(plain), hidden.lamp, FITTED)
+    base = kept(usual, f"{case.shape}-{case.material}", lambda: readings(where, plain))
+    tick = np.arange(len(base["lamp"])) * TICK
+    return {run: hidden.read(tick, base[run], where.points) for run in FITTED}
+
+
+def _visible(there: Readings, hidden: Hidden, case: Case, usual: Path) -> float:
     """Size of the change in the fitted runs that conductivity and convection leave over [1]."""
-    runs = ("lamp", "cooling")
-    plain, name = stated(case.material), f"{case.shape}-{case.material}"
-    said = hidden.stated(plain)
+    name, where = f"{case.shape}-{case.material}", the_body(case.shape)
+    said = hidden.stated(stated(case.material))
     dark = "-dark" if said.emissivity == 0 else ""
     ways = {
         "": said,
@@ -176,19 +213,13 @@ def _visible(hidden: Hidden, case: Case, usual: Path) -> float:
         "-convection": replace(said, convection=1.1 * said.convection),
     }
     base = {
-        way: kept(usual, name + dark + way, lambda one=one: readings(case.shape, one))
+        way: kept(usual, name + dark + way, lambda one=one: readings(where, one))
         for way, one in ways.items()
     }
-    if hidden.simulated():
-        there = readings(case.shape, hidden.physics(plain), hidden.lamp, runs)
-    else:
-        tick = np.arange(len(base[""]["lamp"])) * TICK
-        points = the_body(case.shape).points
-        there = {run: hidden.read(tick, base[""][run], points) for run in runs}
 
     def change(of: Readings) -> np.ndarray:
         every, last = round(FRAME / TICK), round(END / TICK) + 1
-        return np.concatenate([(of[run] - base[""][run])[:last:every].ravel() for run in runs])
+        return np.concatenate([(of[run] - base[""][run])[:last:every].ravel() for run in FITTED])
 
     size, _, correlation = NOISES[case.noise]
     size *= np.sqrt((1 + correlation) / (1 - correlation))
