@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ import pytest
 
 from thermo.app._candidates import build_candidates
 from thermo.errors import InputError
-from thermo.observe import Scene, read_scene
+from thermo.observe import Course, Heater, Scene, read_scene
 
 
 @pytest.fixture(scope="module")
@@ -33,6 +34,16 @@ def test_a_candidate_is_like_a_run_but_for_what_is_said(scene: Scene) -> None:
     assert bright.recording.time[-1] == pytest.approx(60.0)
     assert bright.recording.temperature.shape == lamp.recording.temperature.shape
     assert build_candidates(None, scene) == {}
+
+
+def test_a_lamp_keeps_its_course(scene: Scene) -> None:
+    lamp = scene.runs["lamp"].heater
+    assert lamp is not None
+    course = Course([0.0, 9.0], [0.5, 1.0])
+    logged = Heater(lamp.centre, lamp.direction, lamp.radius, lamp.power, lamp.until, 0.0, course)
+    runs = {"lamp": replace(scene.runs["lamp"], heater=logged)}
+    found = build_candidates({"bright": {"like": "lamp", "power": 3.0}}, replace(scene, runs=runs))
+    assert found["bright"].heater is not None and found["bright"].heater.course is course
 
 
 def test_another_camera_sees_as_many_other_places(scene: Scene) -> None:

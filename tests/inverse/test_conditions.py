@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from thermo.errors import InputError
-from thermo.inverse._conditions import conditions, make_model
+from thermo.inverse._conditions import Conditions, conditions, make_model
 from thermo.inverse._properties import Stated, properties
-from thermo.observe import Heater, Prescribed, Run, Scene
-from thermo.physics import discretise
+from thermo.mesh import face_areas
+from thermo.observe import Box, Course, Heater, Prescribed, Run, Scene
+from thermo.physics import assemble, discretise, heat_rate
 from thermo.physics.effects import Convection, Heating, LaggedRadiation, Radiation
 
 from .objectives import MESH
@@ -83,3 +84,42 @@ def test_the_model_loses_heat_and_takes_in_the_lamp(lagged: bool, kind: type, sc
     body = properties(Stated(0.8, 1.54e6, 25.0, 0.6), {}, len(MESH.cells), len(MESH.faces))
     model = make_model(SPACE, body, under, lagged=lagged)
     assert [type(effect) for effect in model.surface] == [Convection, kind, Heating]
+
+
+def test_insulated_faces_lose_nothing_and_the_lamp_heats_them_all_the_same(scene: Scene) -> None:
+    away = Box([-1.0] * 3, [2.0] * 3)
+    cooling, lamp = scene.runs["cooling"], scene.runs["lamp"]
+    height = float(MESH.nodes[:, 2].max())
+    top = Box([-1.0, -1.0, height], [2.0, 2.0, height])
+    under = conditions(replace(cooling, insulated=(top,)), SPACE)
+    up = MESH.normals[:, 2] > 0.5
+    assert np.array_equal(np.asarray(under.exposed), np.where(up, 0.0, 1.0))
+    body = properties(Stated(0.8, 1.54e6, 25.0, 0.6), {}, len(MESH.cells), len(MESH.faces))
+
+    def taken(under: Conditions) -> float:
+        model = make_model(SPACE, body, under)
+        hot = under.start(len(SPACE.mesh.nodes))
+        return float(np.asarray(heat_rate(assemble(model), hot, 0.0)).sum())
+
+    areas = face_areas(MESH)
+    share = areas[~up].sum() / areas.sum()
+    assert taken(under) == pytest.approx(share * taken(conditions(cooling, SPACE)), rel=1e-9)
+    assert taken(conditions(replace(cooling, insulated=(away,)), SPACE)) == 0.0
+    assert taken(conditions(replace(lamp, insulated=(away,)), SPACE)) == pytest.approx(1.2)
+
+
+def test_an_insulated_box_away_from_the_surface_is_refused(scene: Scene) -> None:
+    run = replace(scene.runs["cooling"], insulated=(Box([5.0, 0.0, 0.0], [6.0, 1.0, 1.0]),))
+    with pytest.raises(InputError, match="no face has its centre") as caught:
+        conditions(run, SPACE)
+    assert caught.value.where == "runs.cooling.insulated[0]" and "5.0" in str(caught.value.value)
+
+
+def test_a_course_scales_the_lamp_between_its_switches(scene: Scene) -> None:
+    lamp = scene.runs["lamp"]
+    logged = heater(lamp.heater, course=Course([0.0, 10.0, 12.0], [0.5, 1.0, 0.9]))
+    schedule = conditions(replace(lamp, heater=logged), SPACE).schedule
+    found = [float(schedule.share(time)) for time in (-0.1, 0.0, 5.0, 10.0, 11.0, 15.0, 19.0)]
+    assert found == pytest.approx([0.0, 0.5, 0.75, 1.0, 0.95, 0.9, 0.0])
+    slow = conditions(replace(lamp, heater=heater(logged, rise=3.0, course=logged.course)), SPACE)
+    assert float(slow.schedule.share(5.0)) == pytest.approx(0.75 * (1 - np.exp(-5.0 / 3.0)))

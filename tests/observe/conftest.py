@@ -43,7 +43,9 @@ def table() -> dict[str, Any]:
             "power": 2.0,
             "until": 30.0,
             "rise": 1.0,
+            "course": {"time": [0.0, 10.0], "share": [0.9, 1]},
         },
+        "insulated": [[[-1e-3, -1e-3, -1e-3], [0.05, 0.05, 1e-3]]],
         "held_out": True,
         "prescribed": [
             {
@@ -56,7 +58,7 @@ def table() -> dict[str, Any]:
         "notes": "the lamp was warm",
     }
     cooling = {**run, "recording": "cooling.npz", "heater": None, "held_out": False}
-    del cooling["prescribed"], cooling["notes"]
+    del cooling["prescribed"], cooling["insulated"], cooling["notes"]
     return {
         "format": "thermofield-scene/1",
         "object": "tetrahedron",

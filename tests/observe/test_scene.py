@@ -15,6 +15,8 @@ from hypothesis import strategies as st
 
 from thermo.observe import (
     QUANTITIES,
+    Box,
+    Course,
     Heater,
     Prescribed,
     Recording,
@@ -40,8 +42,14 @@ def drawn_heater(draw: st.DrawFn) -> Heater:
     direction = draw(vectors(METRES).filter(lambda vector: np.abs(vector).max() > 0))
     return Heater(
         draw(vectors(METRES)), direction, draw(POSITIVE), draw(POSITIVE), draw(POSITIVE),
-        draw(st.floats(0, 10)),
+        draw(st.floats(0, 10)), Course([0.0, 7.0], [draw(POSITIVE), 0.0]) if draw(st.booleans())
+        else None,
     )  # fmt: skip
+
+
+def drawn_box(draw: st.DrawFn) -> Box:
+    corner = draw(vectors(METRES))
+    return Box(corner, corner + draw(vectors(st.floats(0, 1))))
 
 
 def drawn_history(draw: st.DrawFn) -> Prescribed:
@@ -59,6 +67,7 @@ def drawn_run(draw: st.DrawFn, name: str) -> Run:
     return Run(
         name, recording, draw(KELVIN), draw(KELVIN), draw(KELVIN), heater,
         draw(st.booleans()), tuple(drawn_history(draw) for _ in range(draw(st.integers(0, 2)))),
+        tuple(drawn_box(draw) for _ in range(draw(st.integers(0, 2)))),
     )  # fmt: skip
 
 
@@ -132,11 +141,16 @@ def test_every_documented_key_is_read(folder: Path) -> None:
     assert (lamp.name, lamp.held_out, cooling.held_out) == ("lamp", True, False)
     assert (lamp.initial_temperature, lamp.ambient_temperature) == (295.15, 294.0)
     assert lamp.radiation_temperature == 293.15
-    assert cooling.heater is None and cooling.prescribed == ()
+    assert cooling.heater is None and cooling.prescribed == cooling.insulated == ()
     assert lamp.heater is not None
     np.testing.assert_array_equal(lamp.heater.direction, [0.0, 0.0, -1.0])
     assert (lamp.heater.radius, lamp.heater.power) == (0.01, 2.0)
     assert (lamp.heater.until, lamp.heater.rise) == (30.0, 1.0)
+    assert lamp.heater.course is not None
+    np.testing.assert_array_equal(lamp.heater.course.time, [0.0, 10.0])
+    np.testing.assert_array_equal(lamp.heater.course.share, [0.9, 1.0])
+    (box,) = lamp.insulated
+    np.testing.assert_array_equal([box.low, box.high], [[-1e-3] * 3, [0.05, 0.05, 1e-3]])
     inline, file = lamp.prescribed
     np.testing.assert_array_equal(inline.box_max, [1e-3, 0.05, 0.05])
     np.testing.assert_array_equal(inline.temperature, [295.0, 296.0, 297.0])
@@ -148,13 +162,13 @@ def test_optional_keys_have_defaults(folder: Path, stated: dict) -> None:
     for key in ("object", "unit", "unknown", "prior", "truth", "description"):
         del stated[key]
     stated["material"] = {"density": 1.0, "heat_capacity": 1.0, "conductivity": 1.0}
-    for key in ("heater", "held_out", "prescribed", "notes"):
+    for key in ("heater", "held_out", "prescribed", "insulated", "notes"):
         del stated["runs"]["lamp"][key]
     (folder / "scene.json").write_text(json.dumps(stated))
     scene = read_scene(folder / "scene.json")
     assert (scene.object, scene.unit, scene.unknown, scene.prior) == (folder.name, "m", (), {})
     lamp = scene.runs["lamp"]
-    assert (lamp.heater, lamp.held_out, lamp.prescribed) == (None, False, ())
+    assert (lamp.heater, lamp.held_out, lamp.prescribed, lamp.insulated) == (None, False, (), ())
 
 
 @pytest.mark.parametrize("truth", [None, "nonsense", {"conductivity": "?"}, [1, [2]]])

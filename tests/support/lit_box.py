@@ -18,7 +18,7 @@ from thermo.inverse._addition import extend, read_as
 from thermo.inverse._conditions import conditions, make_model
 from thermo.inverse._properties import Stated, properties
 from thermo.mesh import box_mesh
-from thermo.observe import Heater, Recording, Run
+from thermo.observe import Box, Heater, Recording, Run
 from thermo.physics import (
     ConjugateGradient,
     Model,
@@ -84,6 +84,13 @@ def hot() -> Conditions:
 def resting() -> Conditions:
     """As warm as the air, without a lamp."""
     return conditions(run(), SPACE)
+
+
+@cache
+def wrapped() -> Conditions:
+    """Hot at first, all of it insulated."""
+    whole = Box([-1.0, -1.0, -1.0], [1.0, 1.0, 1.0])
+    return conditions(replace(run(initial=HOT), insulated=(whole,)), SPACE)
 
 
 def lit(**changes: Any) -> Conditions:

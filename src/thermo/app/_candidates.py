@@ -98,7 +98,7 @@ def _lamp(like: Run, lamp: Mapping[str, Any], where: str) -> Heater:
             "there is no lamp to be otherwise", where=where, value=", ".join(lamp),
             limit="a run with a heater as `like`", remedy=f"take another run than {like.name}",
         )  # fmt: skip
-    parts = {key: getattr(like.heater, key) for key in _LAMP}
+    parts = {key: getattr(like.heater, key) for key in (*_LAMP, "course")}
     given = {
         key: value if isinstance(value, list) else number(lamp, key, f"{where}.")
         for key, value in lamp.items()

@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 
 from thermo.errors import InputError
 from thermo.inverse._properties import Properties
-from thermo.observe import Run
+from thermo.observe import Box, Heater, Run
 from thermo.physics import Discretisation, Model
 from thermo.physics.effects import (
     Convection,
@@ -31,6 +31,8 @@ class Conditions(eqx.Module):
 
     - `initial`, `ambient`, `surroundings`: [K].
     - `power` [W], zero without a lamp; `profile` (faces, points) [1/m2]; `schedule`.
+    - `exposed`: (faces,), 1 where a face exchanges with air and surroundings, 0 where it is
+      insulated [1].
     - `prescribed`: nodes with given temperatures, or None.
     """
 
@@ -40,6 +42,7 @@ class Conditions(eqx.Module):
     power: Float[Array, ""]
     profile: Float[Array, "faces points"]
     schedule: Schedule
+    exposed: Float[Array, " faces"]
     prescribed: PrescribedTemperature | None
 
     def start(self, count: int) -> Float[Array, " nodes"]:
@@ -52,24 +55,52 @@ def _prescribe(run: Run, space: Discretisation) -> PrescribedTemperature | None:
         return None
     patch = np.full(len(space.mesh.nodes), -1, np.int32)
     surface = np.unique(space.mesh.faces)
-    # Nodes on the box's sides count as inside despite rounding.
-    slack = 1e-6 * float(np.linalg.norm(np.ptp(space.mesh.nodes, axis=0)))
+    place, slack = space.mesh.nodes[surface], _slack(space)
     for number, item in enumerate(run.prescribed):
-        place = space.mesh.nodes[surface]
-        inside = ((place >= item.box_min - slack) & (place <= item.box_max + slack)).all(1)
+        inside = item.box().holds(place, slack)
         if not inside.any():
-            raise InputError(
-                "no surface node lies in the box of a prescribed temperature",
-                where=f"runs.{run.name}.prescribed[{number}].box",
-                value=f"{item.box_min.tolist()} to {item.box_max.tolist()} m",
-                limit="a box that holds a part of the surface",
-                remedy="check the box's corners, in metres, against the surface",
-            )
+            what = "no surface node lies in the box of a prescribed temperature"
+            raise _misses(what, f"runs.{run.name}.prescribed[{number}].box", item.box())
         patch[surface[inside]] = number
     histories = tuple(
         History(jnp.asarray(item.time), jnp.asarray(item.temperature)) for item in run.prescribed
     )
     return PrescribedTemperature(jnp.asarray(patch), histories)
+
+
+def _slack(space: Discretisation) -> float:
+    # What lies on a box's sides counts as inside despite rounding.
+    return 1e-6 * float(np.linalg.norm(np.ptp(space.mesh.nodes, axis=0)))
+
+
+def _misses(what: str, where: str, box: Box) -> InputError:
+    return InputError(
+        what,
+        where=where,
+        value=f"{box.low.tolist()} to {box.high.tolist()} m",
+        limit="a box that holds a part of the surface",
+        remedy="check the box's corners, in metres, against the surface",
+    )
+
+
+def _expose(run: Run, space: Discretisation) -> Float[np.ndarray, " faces"]:
+    exposed = np.ones(len(space.mesh.faces))
+    centres = space.mesh.nodes[space.mesh.faces[:, :3]].mean(1)
+    for number, box in enumerate(run.insulated):
+        inside = box.holds(centres, _slack(space))
+        if not inside.any():
+            what = "no face has its centre in an insulated box"
+            raise _misses(what, f"runs.{run.name}.insulated[{number}]", box)
+        exposed[inside] = 0.0
+    return exposed
+
+
+def _schedule(heater: Heater) -> Schedule:
+    course = heater.course
+    logged = None
+    if course is not None:
+        logged = History(jnp.asarray(course.time), jnp.asarray(course.share))
+    return Schedule(jnp.asarray(float(heater.until)), jnp.asarray(float(heater.rise)), logged)
 
 
 def conditions(run: Run, space: Discretisation) -> Conditions:
@@ -80,7 +111,7 @@ def conditions(run: Run, space: Discretisation) -> Conditions:
     - `run`: temperatures [K], lamp [W], prescribed histories [K].
     - `space`: the discretised body.
 
-    Raises `InputError` where the lamp or a prescribed box misses the surface.
+    Raises `InputError` where the lamp, a prescribed or an insulated box misses the surface.
     """
     heater = run.heater
     profile = np.zeros(np.shape(space.face_weight))
@@ -99,7 +130,7 @@ def conditions(run: Run, space: Discretisation) -> Conditions:
                 remedy="check centre and direction, in metres and in the surface's axes",
             ) from miss
         power = heater.power
-        schedule = Schedule(jnp.asarray(float(heater.until)), jnp.asarray(float(heater.rise)))
+        schedule = _schedule(heater)
     return Conditions(
         initial=jnp.asarray(float(run.initial_temperature)),
         ambient=jnp.asarray(float(run.ambient_temperature)),
@@ -107,6 +138,7 @@ def conditions(run: Run, space: Discretisation) -> Conditions:
         power=jnp.asarray(float(power)),
         profile=jnp.asarray(profile),
         schedule=schedule,
+        exposed=jnp.asarray(_expose(run, space)),
         prescribed=_prescribe(run, space),
     )
 
@@ -123,8 +155,8 @@ def make_model(
     """
     kind = LaggedRadiation if lagged else Radiation
     surface = (
-        Convection(body.convection, under.ambient),
-        kind(body.emissivity, under.surroundings),
+        Convection(body.convection * under.exposed, under.ambient),
+        kind(body.emissivity * under.exposed, under.surroundings),
         Heating(under.power, under.profile, under.schedule),
     )
     return Model(

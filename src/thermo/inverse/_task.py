@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import final
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -100,18 +101,15 @@ class Task:
         digest = hashlib.sha256(repr((asked, where, body, *numbers)).encode())
         digest.update(scene.surface_path.read_bytes())
         for run in self.runs:
-            record = run.recording
             around = (run.initial_temperature, run.ambient_temperature, run.radiation_temperature)
-            held = [(i.box_min, i.box_max, i.time, i.temperature) for i in run.prescribed]
-            digest.update(repr((run.name, around, run.heater)).encode())
-            for array in (
-                record.points,
-                record.time,
-                record.temperature,
-                record.valid,
-                *sum(held, ()),
-            ):
-                digest.update(np.ascontiguousarray(array).tobytes())
+            # A module's text leaves out what its arrays hold.
+            held = (run.recording, run.heater, run.prescribed, run.insulated)
+            leaves = [np.ascontiguousarray(leaf) for leaf in jax.tree.leaves(held)]
+            shapes = [leaf.shape for leaf in leaves]
+            layout = (run.name, around, str(jax.tree.structure(held)), shapes)
+            digest.update(repr(layout).encode())
+            for leaf in leaves:
+                digest.update(leaf.tobytes())
         return digest.hexdigest()[:16]
 
 

@@ -8,7 +8,9 @@ recording a run. Everything is SI and temperatures are in kelvin. `read_scene` d
 from __future__ import annotations
 
 from ._binding import bind
+from ._box import Box
 from ._camera_noise import with_camera_noise
+from ._course import Course
 from ._distance import check_distance
 from ._heater import Heater
 from ._kelvin import COLDEST, HOTTEST
@@ -29,6 +31,8 @@ __all__ = [
     "FORMAT",
     "HOTTEST",
     "QUANTITIES",
+    "Box",
+    "Course",
     "Heater",
     "Noise",
     "Prescribed",

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from thermo.errors import InputError
 
+from ._course import Course
 from ._number import check_number, check_vector
 
 
@@ -21,7 +22,7 @@ class Heater(eqx.Module):
     Its flux on the surface is proportional to exp(-r^2 / (2 radius^2)) max(-n . direction, 0),
     where r is the distance from the axis and n the outward normal, and is scaled so that its
     integral over the surface is `power`. With `rise` it warms up and cools down with that time
-    constant.
+    constant; with a `course` its power is that share of `power` besides.
 
     Arguments:
 
@@ -31,6 +32,7 @@ class Heater(eqx.Module):
     - `power`: power that the surface takes up [W].
     - `until`: it is on for 0 <= t < `until` [s].
     - `rise`: time constant of warming up and cooling down [s]; 0 switches at once.
+    - `course`: shares of the power that were logged, or None where it was constant.
     - `where`: what messages call this heater.
 
     Raises `InputError` for anything that is not finite, a zero direction, a radius or power that
@@ -43,6 +45,7 @@ class Heater(eqx.Module):
     power: float
     until: float
     rise: float
+    course: Course | None
 
     def __init__(
         self,
@@ -52,6 +55,7 @@ class Heater(eqx.Module):
         power: float,
         until: float,
         rise: float = 0.0,
+        course: Course | None = None,
         *,
         where: str = "heater",
     ) -> None:
@@ -75,6 +79,7 @@ class Heater(eqx.Module):
             rise, where=f"{where}.rise", quantity="time constant of the lamp [s]", least=0.0,
             remedy="give seconds, or 0 for a lamp that switches at once",
         )  # fmt: skip
+        self.course = course
 
 
 def _unit(direction: object, where: str) -> np.ndarray:

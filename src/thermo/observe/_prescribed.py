@@ -12,10 +12,11 @@ from numpy.typing import ArrayLike
 
 from thermo.errors import InputError
 
+from ._box import Box
 from ._csv_table import TEMPERATURE, TIME, read_table
 from ._kelvin import check_kelvin
 from ._npz import read_npz
-from ._number import check_vector, real_array
+from ._number import real_array
 from ._recording import check_time
 
 
@@ -48,17 +49,14 @@ class Prescribed(eqx.Module):
         *,
         where: str = "prescribed",
     ) -> None:
-        self.box_min = check_vector(box_min, where=f"{where}.box", quantity="lower corner [m]")
-        self.box_max = check_vector(box_max, where=f"{where}.box", quantity="upper corner [m]")
-        if (self.box_min > self.box_max).any():
-            raise InputError(
-                "box is inside out", where=f"{where}.box",
-                value=f"{self.box_min.tolist()} to {self.box_max.tolist()}",
-                limit="lower corner at most the upper corner in x, y and z",
-                remedy="give [[smallest x, y, z], [largest x, y, z]] in metres",
-            )  # fmt: skip
+        box = Box(box_min, box_max, where=f"{where}.box")
+        self.box_min, self.box_max = box.low, box.high
         self.time = check_time(time, where=f"{where}.time", earliest=None)
         self.temperature = _history(temperature, self.time.size, f"{where}.temperature")
+
+    def box(self) -> Box:
+        """Where it holds [m]."""
+        return Box(self.box_min, self.box_max)
 
 
 def read_history(

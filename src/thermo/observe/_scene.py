@@ -9,6 +9,7 @@ from typing import Final, final
 
 from thermo.errors import InputError
 
+from ._box import Box
 from ._heater import Heater
 from ._kelvin import check_kelvin_number
 from ._npz import check_file
@@ -85,6 +86,8 @@ class Run:
     - `held_out`: never fitted, only predicted.
     - `prescribed`: measured histories that hold on parts of the surface. Each must cover the
         frames of the recording.
+    - `insulated`: faces whose centre lies in one of these exchange nothing with air and
+        surroundings.
     - `where`: what messages call this run.
 
     Raises `InputError` for temperatures that cannot be kelvin, an unusable name, or a history
@@ -99,6 +102,7 @@ class Run:
     heater: Heater | None = None
     held_out: bool = False
     prescribed: tuple[Prescribed, ...] = ()
+    insulated: tuple[Box, ...] = ()
     where: InitVar[str] = "run"
 
     def __post_init__(self, where: str) -> None:

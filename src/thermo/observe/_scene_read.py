@@ -7,6 +7,8 @@ from typing import Final
 
 from thermo.errors import InputError
 
+from ._box import Box
+from ._course import Course
 from ._heater import Heater
 from ._number import real_array, shown
 from ._prescribed import Prescribed, read_history
@@ -24,7 +26,7 @@ _OPTIONAL = ("object", "unit", "unknown", "prior", "truth", "description", "note
 _RUN_REQUIRED = (
     "recording", "initial_temperature", "ambient_temperature", "radiation_temperature",
 )  # fmt: skip
-_RUN_OPTIONAL = ("heater", "held_out", "prescribed", "description", "notes")
+_RUN_OPTIONAL = ("heater", "held_out", "prescribed", "insulated", "description", "notes")
 _HEATER = ("centre", "direction", "radius", "power", "until")
 
 
@@ -42,9 +44,10 @@ def read_scene(folder: Path | str) -> Scene:
     - `unknown`*: what a fit recovers by default, names from `QUANTITIES`.
     - `prior`*: `QUANTITY_relative_sd`, relative standard deviation of a stated value.
     - `runs.NAME`: `recording` (file), `initial_temperature`, `ambient_temperature`,
-        `radiation_temperature` [K], `heater`*, `held_out`*, `prescribed`*.
+        `radiation_temperature` [K], `heater`*, `held_out`*, `prescribed`*, `insulated`*.
     - `runs.NAME.heater`: null, or `centre`, `direction`, `radius`, `power`, `until`, `rise`*,
-        `kind`* (only `spot`); see `Heater`.
+        `kind`* (only `spot`), `course`* with `time` [s] and `share` (1); see `Heater`.
+    - `runs.NAME.insulated`: a list of boxes [[x, y, z], [x, y, z]] [m]; see `Run`.
     - `runs.NAME.prescribed`: a list of histories, each with `box` [[x, y, z], [x, y, z]] [m],
         and either `history` (a file, see `read_history`) or `time` [s] and `temperature` [K].
     - `truth`*: for scoring by others; it is dropped unread.
@@ -130,6 +133,7 @@ def _run(section: Section, name: str) -> Run:
         heater=_heater(section),
         held_out=section.flag("held_out", False),
         prescribed=tuple(_prescribed(section, number) for number in histories),
+        insulated=tuple(_insulated(section)),
         recording=read_recording(section.file.parent / section.text("recording")),
         where=section.where(),
     )
@@ -139,7 +143,7 @@ def _heater(run: Section) -> Heater | None:
     if run.table.get("heater") is None:
         return None
     section = run.section("heater")
-    section.check_keys(_HEATER, ("rise", "kind"))
+    section.check_keys(_HEATER, ("rise", "kind", "course"))
     if section.text("kind", "spot") != "spot":
         raise section.wrong("kind", '"spot", the one kind of lamp')
     return Heater(
@@ -149,8 +153,37 @@ def _heater(run: Section) -> Heater | None:
         power=section.number("power"),
         until=section.number("until"),
         rise=section.number_or_null("rise") or 0.0,
+        course=_course(section),
         where=section.where(),
     )
+
+
+def _course(heater: Section) -> Course | None:
+    if heater.table.get("course") is None:
+        return None
+    section = heater.section("course")
+    section.check_keys(("time", "share"))
+    return Course(section.array("time"), section.array("share"), where=section.where())
+
+
+def _insulated(run: Section) -> list[Box]:
+    found = []
+    for number, corners in enumerate(run.items("insulated")):
+        key = f"insulated[{number}]"
+        section = Section(run.file, run.path, {key: corners})
+        found.append(_box(section, key))
+    return found
+
+
+def _box(section: Section, key: str) -> Box:
+    corners = section.items(key)
+    if len(corners) != 2:
+        raise section.wrong(key, "two corners [[x, y, z], [x, y, z]] [m]")
+    where = section.where(key)
+    low, high = (
+        real_array(corner, where=where, quantity="corner of the box [m]") for corner in corners
+    )
+    return Box(low, high, where=where)
 
 
 def _prescribed(run: Section, number: int) -> Prescribed:
@@ -159,15 +192,9 @@ def _prescribed(run: Section, number: int) -> Prescribed:
     section = Section(run.file, run.path, {key: entry}).section(key)
     from_file = "history" in section.table
     section.check_keys(("box", "history") if from_file else ("box", "time", "temperature"))
-    box = section.items("box")
-    if len(box) != 2:
-        raise section.wrong("box", "two corners [[x, y, z], [x, y, z]] [m]")
-    low, high = (
-        real_array(corner, where=section.where("box"), quantity="corner of the box [m]")
-        for corner in box
-    )
+    box = _box(section, "box")
     if from_file:
         time, temperature = read_history(run.file.parent / section.text("history"))
     else:
         time, temperature = section.array("time"), section.array("temperature")
-    return Prescribed(low, high, time, temperature, where=section.where())
+    return Prescribed(box.low, box.high, time, temperature, where=section.where())

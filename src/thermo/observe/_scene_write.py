@@ -11,6 +11,7 @@ from typing import Any
 
 from thermo.errors import InputError
 
+from ._box import Box
 from ._heater import Heater
 from ._npz import check_file, unwritable, write_npz
 from ._recording_write import write_recording
@@ -98,13 +99,20 @@ def _write_run(stage: Path, name: str, run: Run) -> dict[str, Any]:
         # "+" cannot stand in a run's name, so no two files can meet.
         file = f"{name}+prescribed_{number}.npz"
         write_npz(stage / file, {"time": history.time, "temperature": history.temperature})
-        box = [history.box_min.tolist(), history.box_max.tolist()]
-        histories.append({"box": box, "history": file})
-    return {**table, "prescribed": histories} if histories else table
+        histories.append({"box": _corners(history.box()), "history": file})
+    if histories:
+        table["prescribed"] = histories
+    if run.insulated:
+        table["insulated"] = [_corners(box) for box in run.insulated]
+    return table
+
+
+def _corners(box: Box) -> list[list[float]]:
+    return [box.low.tolist(), box.high.tolist()]
 
 
 def _heater(heater: Heater) -> dict[str, Any]:
-    return {
+    table: dict[str, Any] = {
         "kind": "spot",
         "centre": heater.centre.tolist(),
         "direction": heater.direction.tolist(),
@@ -113,3 +121,7 @@ def _heater(heater: Heater) -> dict[str, Any]:
         "until": heater.until,
         "rise": heater.rise,
     }
+    if heater.course is not None:
+        course = {"time": heater.course.time.tolist(), "share": heater.course.share.tolist()}
+        table["course"] = course
+    return table

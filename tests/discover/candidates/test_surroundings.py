@@ -25,6 +25,7 @@ from lit_box import (
     one,
     resting,
     solved,
+    wrapped,
 )
 
 from thermo.discover import Candidate, Place
@@ -108,6 +109,21 @@ def test_more_convection_on_a_patch_cools_the_patch_most() -> None:
     moved = change(MADE["local_convection"](100.0), hot())
     under_it, far = nearest(TOP), nearest((0.02, 0.012, 0.0))
     assert moved[-1, under_it] < 2 * moved[-1, far] < 0
+
+
+@pytest.mark.parametrize("name", ["radiation", "local_convection", "evaporation", "ambient_drift"])
+def test_what_air_and_surroundings_take_stops_where_it_is_insulated(name: str) -> None:
+    left = solved(MADE[name](0.5).to_model(bare(wrapped()), wrapped()), wrapped())
+    np.testing.assert_allclose(left, HOT, rtol=0, atol=1e-9)
+    assert np.abs(change(MADE[name](0.5), hot())).max() > 1e-3
+
+
+def test_a_support_and_a_backing_may_lie_behind_an_insulated_side() -> None:
+    held = MADE["support_contact"](300.0).to_model(bare(wrapped()), wrapped())
+    assert solved(held, wrapped())[-1].max() < HOT - 0.05
+    model = MADE["backing_conduction"](500.0).to_model(bare(wrapped()), wrapped())
+    effect = model.surface[-1]
+    assert isinstance(effect, BackingFlow) and float(effect.effusivity.max()) == 500.0
 
 
 def test_missing_radiation_adds_to_the_emissivity() -> None:
@@ -243,7 +259,7 @@ def test_saturation_is_that_of_the_tables() -> None:
 
 
 def test_vapour_falls_off_as_its_slope_says() -> None:
-    vapour = Vapour(jnp.asarray(0.05), jnp.asarray(AIR))
+    vapour = Vapour(jnp.asarray([0.05]), jnp.asarray(AIR))
     level = jnp.asarray([[280.0, 300.0, 330.0]])
     slope = jax.jvp(lambda at: vapour.flux(at, 0.0), (level,), (jnp.ones_like(level),))[1]
     np.testing.assert_allclose(vapour.slope(level), -slope, rtol=1e-12)

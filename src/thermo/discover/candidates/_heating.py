@@ -90,10 +90,8 @@ class HeaterLag(AbstractHeatCandidate):
         del under
 
         def slower(lamp: Heating) -> Heating:
-            schedule = lamp.schedule
-            return replace(
-                lamp, schedule=Schedule(schedule.until, schedule.rise + self.strength[0])
-            )
+            rise = lamp.schedule.rise + self.strength[0]
+            return replace(lamp, schedule=replace(lamp.schedule, rise=rise))
 
         return _lamps(model, slower)
 

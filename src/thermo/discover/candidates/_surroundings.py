@@ -45,8 +45,7 @@ class MissingRadiation(AbstractHeatCandidate):
 
     def to_model(self, model: Model, under: Conditions) -> Model:
         """The model [SI] with more radiation in it."""
-        emissivity = jnp.broadcast_to(self.strength[0], (len(model.space.mesh.faces),))
-        return _also(model, Radiation(emissivity, under.surroundings))
+        return _also(model, Radiation(self.strength[0] * under.exposed, under.surroundings))
 
 
 @final
@@ -64,9 +63,8 @@ class LocalConvection(AbstractHeatCandidate):
 
     def to_model(self, model: Model, under: Conditions) -> Model:
         """The model [SI] with more convection on patches."""
-        return _also(
-            model, Convection(self.strength @ on_faces(model.space, self.place), under.ambient)
-        )
+        patches = self.strength @ on_faces(model.space, self.place)
+        return _also(model, Convection(patches * under.exposed, under.ambient))
 
 
 @final
@@ -207,12 +205,12 @@ def _raised(
 class Vapour(AbstractSurfaceEffect):
     """Heat that evaporating water takes, q = strength (p(T_air) / 2 - p(T)), air half saturated.
 
-    - `coefficient`: [W/m2/Pa]; `air`: [K].
+    - `coefficient`: (faces,) [W/m2/Pa]; `air`: [K].
 
     Source: Magnus's formula for p, Alduchov and Eskridge, J. Appl. Meteor. 35 (1996) 601.
     """
 
-    coefficient: Float[Array, ""]
+    coefficient: Float[Array, " faces"]
     air: Float[Array, ""]
 
     def flux(
@@ -220,7 +218,8 @@ class Vapour(AbstractSurfaceEffect):
     ) -> Float[Array, "faces points"]:
         """Flux into the body [W/m2] at surface temperatures [K]."""
         del time
-        return self.coefficient * (0.5 * saturation(self.air) - saturation(temperature))
+        apart = 0.5 * saturation(self.air) - saturation(temperature)
+        return self.coefficient[:, None] * apart
 
     def local(self) -> bool:
         """Yes: the flux at a point knows no other temperature [K]."""
@@ -229,7 +228,7 @@ class Vapour(AbstractSurfaceEffect):
     def slope(self, temperature: Float[Array, "faces points"]) -> Float[Array, "faces points"]:
         """Coefficient of the implicit matrix [W/m2/K]."""
         grows = 17.625 * 243.04 / (temperature - 30.11) ** 2
-        return self.coefficient * saturation(temperature) * grows
+        return self.coefficient[:, None] * saturation(temperature) * grows
 
 
 def saturation(temperature: Float[Array, "*any"]) -> Float[Array, "*any"]:
@@ -252,4 +251,4 @@ class Evaporation(AbstractHeatCandidate):
 
     def to_model(self, model: Model, under: Conditions) -> Model:
         """The model [SI] with a wet surface."""
-        return _also(model, Vapour(self.strength[0], under.ambient))
+        return _also(model, Vapour(self.strength[0] * under.exposed, under.ambient))

@@ -1,0 +1,64 @@
+"""The key of a fit: what changes the answer changes the key, and nothing else does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import equinox as eqx
+import numpy as np
+import pytest
+
+from thermo.inverse import LevenbergMarquardt, Meshing, Prior, Stepping, Uniform
+from thermo.inverse._task import Task
+from thermo.observe import Box, Course, Prescribed, Run, Scene
+
+
+def task(scene: Scene, run: Run) -> Task:
+    how = (Uniform(), LevenbergMarquardt(), Prior(), Stepping(), Meshing())
+    return Task(scene, (run,), ("conductivity",), *how, "none", {}, 0, 0.01)
+
+
+def lamp(run: Run, name: str, value: object) -> Run:
+    return replace(run, heater=eqx.tree_at(lambda one: getattr(one, name), run.heater, value,
+                                           is_leaf=lambda leaf: leaf is None))  # fmt: skip
+
+
+def read(run: Run, name: str, value: object) -> Run:
+    there = eqx.tree_at(lambda one: getattr(one, name), run.recording, value)
+    return replace(run, recording=there)
+
+
+CORNERS = ([0.0, 0.0, 0.0], [1.0, 1.0, 1.0])
+HISTORY = ([0.0, 90.0], [300.0, 310.0])
+CHANGES: dict[str, Callable[[Run], Run]] = {
+    "centre": lambda run: lamp(run, "centre", np.array([0.1, 0.2, 0.3])),
+    "direction": lambda run: lamp(run, "direction", np.array([0.0, 1.0, 0.0])),
+    "power": lambda run: lamp(run, "power", 3.21),
+    "course": lambda run: lamp(run, "course", Course([0.0, 1.0], [0.5, 1.0])),
+    "lamp_off": lambda run: replace(run, heater=None),
+    "ambient": lambda run: replace(run, ambient_temperature=301.0),
+    "insulated": lambda run: replace(run, insulated=(Box(*CORNERS),)),
+    "insulated_less": lambda run: replace(run, insulated=(Box(CORNERS[0], CORNERS[0]),)),
+    "prescribed": lambda run: replace(run, prescribed=(Prescribed(*CORNERS, *HISTORY),)),
+    "prescribed_else": lambda run: replace(
+        run, prescribed=(Prescribed(CORNERS[0], CORNERS[0], *HISTORY),)
+    ),
+    "reading": lambda run: read(run, "temperature", run.recording.temperature + 0.1),
+    "valid": lambda run: read(run, "valid", np.zeros_like(run.recording.valid)),
+}
+
+
+def test_every_condition_and_reading_is_in_the_key(scene: Scene) -> None:
+    run = scene.runs["lamp"]
+    keys = {name: task(scene, changed(run)).key() for name, changed in CHANGES.items()}
+    keys["as_is"] = task(scene, run).key()
+    assert len(set(keys.values())) == len(keys), keys
+    assert task(scene, replace(run)).key() == keys["as_is"]
+
+
+@pytest.mark.parametrize("cache", [Path("elsewhere"), None])
+def test_where_meshes_are_kept_is_not_in_the_key(cache: Path | None, scene: Scene) -> None:
+    one = task(scene, scene.runs["lamp"])
+    assert replace(one, meshing=Meshing(cache=cache)).key() == one.key()
