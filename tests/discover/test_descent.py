@@ -28,7 +28,7 @@ def real() -> Objective:
 
 def least(
     monkeypatch: pytest.MonkeyPatch, real: Objective, function: Residual, begin: list[float],
-    logarithm: list[bool], low: float = -np.inf, high: float = np.inf,
+    logarithm: list[bool], low: float = -np.inf, high: float = np.inf, rival: float = np.inf,
 ) -> tuple[Ended, int]:  # fmt: skip
     """Where a descent ends whose residual is a function of the point, and its number of trials."""
     trials = 0
@@ -47,7 +47,7 @@ def least(
         np.array(logarithm),
     )  # fmt: skip
     point = Extended({"some": jnp.asarray(begin)}, ())
-    return descend(real, point, free, NOTHING_ALLOWED), trials
+    return descend(real, point, free, NOTHING_ALLOWED, rival), trials
 
 
 def test_two_coefficients_of_exchange_that_hide_each_other_are_told_apart(
@@ -72,6 +72,28 @@ def test_a_curved_valley_is_followed_to_its_end(
 
     ended, _ = least(monkeypatch, real, valley, [-1.0, 1.0], [False, False])
     np.testing.assert_allclose(np.asarray(ravel_pytree(ended.point)[0]), 1.0, atol=0.05)
+
+
+def test_one_that_will_not_reach_its_rival_is_left(
+    monkeypatch: pytest.MonkeyPatch, real: Objective
+) -> None:
+    def far(at: jax.Array) -> jax.Array:
+        # Steps are of length one at the most, and the least is a hundred away.
+        return 0.1 * (at - 100.0)
+
+    def valley(at: jax.Array) -> jax.Array:
+        return jnp.stack([10 * (at[1] - at[0] ** 2), 3 * (1 - at[0]), jnp.array(8.0)])
+
+    _, trials = least(monkeypatch, real, far, [0.0], [False])
+    assert trials == 21
+    for rival, wanted in [(1.0, 4), (34.0, 21)]:
+        _, trials = least(monkeypatch, real, far, [0.0], [False], rival=rival)
+        assert trials == wanted, rival
+    # Slow while it turns into the valley, and still followed.
+    whole, trials = least(monkeypatch, real, valley, [-1.0, 1.0], [False, False])
+    for rival in (31.0, 33.0):
+        ended, same = least(monkeypatch, real, valley, [-1.0, 1.0], [False, False], rival=rival)
+        assert ended.loss() == pytest.approx(whole.loss()) and same == trials
 
 
 def test_bounds_hold_and_the_rest_goes_on(monkeypatch: pytest.MonkeyPatch, real: Objective) -> None:

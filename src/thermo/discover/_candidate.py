@@ -98,11 +98,6 @@ def face_shares(space: Discretisation) -> Float[Array, "faces points"]:
     return weight / weight.sum(1, keepdims=True)
 
 
-def in_cells(space: Discretisation, place: Place) -> Float[Array, "places cells"]:
-    """Mean of each place's shape over each cell [1]."""
-    return place.shapes(cell_points(space)).mean(1)
-
-
 def cell_points(space: Discretisation) -> Float[Array, "points cells 3"]:
     """Four points in each cell whose mean is exact for squares [m]."""
     corners = jnp.asarray(space.mesh.nodes[space.mesh.cells[:, :4]])

@@ -25,6 +25,8 @@ _NOTHING: Final = 0.005
 # nearly Newton's, and small gains at more are no end.
 _DAMPING: Final = 1e-8
 _LITTLE: Final = 1e-6
+# Steps by which the pace of a fit is judged [1]: the first ones may turn into a narrow valley.
+_PACE: Final = 3
 
 
 @final
@@ -93,18 +95,25 @@ class Ended:
         return 2 * self.loss() / spread + 2 * self.fitted()
 
 
-def descend(objective: Objective, point: Extended, free: Free, allowed: Allowance) -> Ended:
+def descend(
+    objective: Objective,
+    point: Extended,
+    free: Free,
+    allowed: Allowance,
+    rival: float = np.inf,
+) -> Ended:
     """Levenberg-Marquardt in scaled entries; a step that meets a bound ends on it.
 
-    Residuals are measured in what is `allowed` for [1].
+    Residuals are measured in what is `allowed` for [1]. It ends as well where the steps that are
+    left would not reach the loss of a `rival` [1] at twice the pace of the best of the last few.
 
     Source: Madsen, Nielsen and Tingleff, Methods for Non-Linear Least Squares Problems (2004), 3.2.
     """
     entries = len(ravel_pytree(point)[0])
     ways = free.ways(entries)
     here = _at(objective, point, ways, allowed)
-    damping = _DAMPING
-    for _ in range(_TRIALS):
+    damping, gains = _DAMPING, []
+    for left in range(_TRIALS - 1, -1, -1):
         normal = here.slopes.T @ here.slopes
         level = np.sqrt(np.maximum(np.diag(normal), 1e-12))
         alike = normal / np.outer(level, level) + damping * np.eye(len(level))
@@ -124,7 +133,9 @@ def descend(objective: Objective, point: Extended, free: Free, allowed: Allowanc
             beyond = there.loss() - 0.5 * len(there.residual)
             small = gain < max(_GAIN, _SHARE * beyond) and damping <= _LITTLE
             here, damping = there, max(damping / 10, _DAMPING)
-            if small:
+            gains.append(gain)
+            late = here.loss() - 2 * left * max(gains[-_PACE:]) > rival
+            if small or (len(gains) >= _PACE and late):
                 break
         else:
             damping *= 100

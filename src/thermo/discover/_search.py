@@ -78,8 +78,10 @@ def free_of(standing: Standing) -> Free:
     return joined(field_entries(point), *parts)
 
 
-def fitted(standing: Standing, *, times: int) -> Standing:
+def fitted(standing: Standing, *, times: int, rival: float = np.inf) -> Standing:
     """Least squares from where it stands; what cells make wrong is measured `times` before [1].
+
+    One that will not reach the loss of a `rival` [1] is not followed to its end.
 
     Of effects with a place only those at work take part, and one of each other kind: all refits
     share one program, and it is as small as that allows.
@@ -90,7 +92,8 @@ def fitted(standing: Standing, *, times: int) -> Standing:
         bench = small.bench
         if number < times:
             bench = corrected(bench, small.point, finer_runs(bench, small.point))
-        ended = descend(steps_for(bench.coarse, small.point), small.point, free, small.allowed)
+        coarse = steps_for(bench.coarse, small.point)
+        ended = descend(coarse, small.point, free, small.allowed, rival)
         small = replace(small, bench=bench, point=ended.point, ended=ended)
     back = tuple(
         _put_back(one, few, kept[one.card.name])
@@ -198,11 +201,12 @@ def refits(
 ) -> list[Refit]:
     """The credible candidates put to work one by one, the best first."""
     order = best_of_kinds([one for one in table.scores if credible(one, table.threshold)])
-    made = []
+    made: list[Refit] = []
     for score in order[:_REFITTED]:
         if score.z**2 >= _WORTH * order[0].z ** 2:
             say(f"refitting {score.name()}, score {score.z:.1f}")
-            made.append(_put_to_work(standing, score, laws))
+            rival = min((one.standing.ended.loss() for one in made), default=np.inf)
+            made.append(_put_to_work(standing, score, laws, rival))
     return _measured_anew(standing, made, say) if made else []
 
 
@@ -225,14 +229,16 @@ def near_best(before: Ended, made: list[Refit]) -> list[Refit]:
     return [one for one in made if one.standing.ended.criterion(spread) <= most][:_MEASURED]
 
 
-def _put_to_work(standing: Standing, score: Score, laws: tuple[Candidate, ...]) -> Refit:
+def _put_to_work(
+    standing: Standing, score: Score, laws: tuple[Candidate, ...], rival: float
+) -> Refit:
     # From strength zero the first step is the linear one, of fields and strength together.
     card, point = score.entry.card, standing.point
     if card.name not in {one.card.name for one in point.candidates}:
         point = _beside_laws(standing, laws)
     active = (*standing.active, (card.name, score.entry.part))
     there = replace(standing, point=point, active=active)
-    return Refit(score, fitted(there, times=0))
+    return Refit(score, fitted(there, times=0, rival=rival))
 
 
 def _measured_anew(standing: Standing, made: list[Refit], say: Say) -> list[Refit]:

@@ -7,7 +7,8 @@ from typing import final
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
+from scipy.spatial import KDTree
 
 from thermo.errors import InputError
 from thermo.inverse._properties import Properties
@@ -31,6 +32,7 @@ class Conditions(eqx.Module):
 
     - `initial`, `ambient`, `surroundings`: [K].
     - `power` [W], zero without a lamp; `profile` (faces, points) [1/m2]; `schedule`.
+    - `lit`: the face towards the lamp that is nearest to each cell, (cells,).
     - `exposed`: (faces,), 1 where a face exchanges with air and surroundings, 0 where it is
       insulated [1].
     - `prescribed`: nodes with given temperatures, or None.
@@ -42,6 +44,7 @@ class Conditions(eqx.Module):
     power: Float[Array, ""]
     profile: Float[Array, "faces points"]
     schedule: Schedule
+    lit: Int[Array, " cells"]
     exposed: Float[Array, " faces"]
     prescribed: PrescribedTemperature | None
 
@@ -95,6 +98,16 @@ def _expose(run: Run, space: Discretisation) -> Float[np.ndarray, " faces"]:
     return exposed
 
 
+def _nearest_lit(heater: Heater, space: Discretisation) -> Int[np.ndarray, " cells"]:
+    # Faces that light only grazes, or reaches by rounding, are not what it enters by.
+    towards = np.flatnonzero(-(space.mesh.normals @ heater.direction) > 0.1)
+    if not len(towards):
+        return np.zeros(len(space.mesh.cells), np.int32)
+    middle = space.mesh.nodes[space.mesh.faces[towards, :3]].mean(1)
+    near = KDTree(middle).query(space.mesh.nodes[space.mesh.cells[:, :4]].mean(1))[1]
+    return towards[near].astype(np.int32)
+
+
 def _schedule(heater: Heater) -> Schedule:
     course = heater.course
     logged = None
@@ -114,7 +127,7 @@ def conditions(run: Run, space: Discretisation) -> Conditions:
     Raises `InputError` where the lamp, a prescribed or an insulated box misses the surface.
     """
     heater = run.heater
-    profile = np.zeros(np.shape(space.face_weight))
+    profile, lit = np.zeros(np.shape(space.face_weight)), np.zeros(len(space.mesh.cells), np.int32)
     power, schedule = 0.0, Schedule(jnp.asarray(0.0), jnp.asarray(0.0))
     if heater is not None:
         try:
@@ -130,7 +143,7 @@ def conditions(run: Run, space: Discretisation) -> Conditions:
                 remedy="check centre and direction, in metres and in the surface's axes",
             ) from miss
         power = heater.power
-        schedule = _schedule(heater)
+        schedule, lit = _schedule(heater), _nearest_lit(heater, space)
     return Conditions(
         initial=jnp.asarray(float(run.initial_temperature)),
         ambient=jnp.asarray(float(run.ambient_temperature)),
@@ -138,6 +151,7 @@ def conditions(run: Run, space: Discretisation) -> Conditions:
         power=jnp.asarray(float(power)),
         profile=jnp.asarray(profile),
         schedule=schedule,
+        lit=jnp.asarray(lit),
         exposed=jnp.asarray(_expose(run, space)),
         prescribed=_prescribe(run, space),
     )

@@ -11,6 +11,7 @@ from thermo.physics._readout import ReadOut, every_node
 from thermo.physics._simulate import Solution, solve_heat
 from thermo.physics._step_matrix import StepMatrix
 from thermo.physics._time_grid import TimeGrid, every_step, plan_steps, uniform_steps
+from thermo.physics._volume_rule import VolumeRule, volume_rule
 
 __all__ = [
     "AbstractAdjoint",
@@ -25,6 +26,7 @@ __all__ = [
     "StepMatrix",
     "StoreSteps",
     "TimeGrid",
+    "VolumeRule",
     "assemble",
     "between_steps",
     "discretise",
@@ -36,4 +38,5 @@ __all__ = [
     "step_matrix",
     "stored_heat",
     "uniform_steps",
+    "volume_rule",
 ]

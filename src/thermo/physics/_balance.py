@@ -16,7 +16,6 @@ from thermo.physics._discretisation import (
     on_faces,
     stiffness_edges,
     surface_mass,
-    volume_load,
 )
 from thermo.physics._edge_product import difference_product, edge_product
 from thermo.physics._exchange import exchange, plain_exchange, slope_of
@@ -125,7 +124,7 @@ def heat_rate(
         if distant:
             rate = rate + plain_exchange(space, distant, time, temperature, value, about)
     for effect in model.volume:
-        rate = rate + volume_load(space, effect.power(time))
+        rate = rate + effect.load(space, time)
     return rate
 
 

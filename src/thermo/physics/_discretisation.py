@@ -10,7 +10,6 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
-from scipy.spatial import KDTree
 
 from thermo.mesh import Mesh, cell_volumes, face_areas
 from thermo.physics._gather_sum import GatherSum, gather_sum, gather_to
@@ -41,7 +40,6 @@ class Discretisation(eqx.Module):
     - `to_edges`: from the node pairs of all faces, pair by pair, to the edges of the surface.
     - `face_shape`: (points, corners) [1]; `face_weight`: (faces, points) [m2].
     - `face_point`: quadrature points on the faces, (faces, points, 3) [m].
-    - `skin`: the face whose middle is nearest to that of each cell, (cells,).
     """
 
     mesh: Mesh
@@ -55,7 +53,6 @@ class Discretisation(eqx.Module):
     face_shape: Float[Array | np.ndarray, "points corners"]
     face_weight: Float[Array | np.ndarray, "faces points"]
     face_point: Float[Array | np.ndarray, "faces points 3"]
-    skin: Int[Array | np.ndarray, " cells"]
 
     @property
     def order(self) -> int:
@@ -123,13 +120,7 @@ def discretise(mesh: Mesh) -> Discretisation:
         face_shape=face_shape(points, mesh.order),
         face_weight=face_areas(mesh)[:, None] * weights,
         face_point=np.einsum("qa,fax->fqx", points, mesh.nodes[mesh.faces[:, :3]]),
-        skin=_nearest_face(mesh),
     )
-
-
-def _nearest_face(mesh: Mesh) -> Int[np.ndarray, " cells"]:
-    faces = KDTree(mesh.nodes[mesh.faces[:, :3]].mean(1))
-    return np.asarray(faces.query(mesh.nodes[mesh.cells[:, :4]].mean(1))[1])
 
 
 def stiffness_edges(

@@ -33,7 +33,7 @@ from thermo.inverse import Conditions
 from thermo.inverse._addition import extend
 from thermo.physics import stored_heat
 from thermo.physics._balance import assemble
-from thermo.physics.effects import Heating, VolumetricSource
+from thermo.physics.effects import Heating, NodalSource
 
 INSIDE = (0.006, 0.006, 0.004)  # m
 LIT, BELOW = nearest((0.013, 0.006, 0.008)), nearest((0.013, 0.006, 0.0))
@@ -150,17 +150,26 @@ def test_light_that_reaches_below_the_surface_cools_it_and_warms_what_is_below()
 
 def test_light_falls_off_with_depth() -> None:
     under = lit()
-    shallow, deep = (
-        np.asarray(source.density)
-        for share in (in_depth(1.0, 0.0, 0.0), in_depth(0.0, 0.0, 1.0))
-        for source in share.to_model(bare(under), under).volume
-        if isinstance(source, VolumetricSource)
-    )
-    below = 0.008 - NODES[SPACE.mesh.cells].mean(1)[:, 2]
-    lit_cells = np.asarray(shallow) > 0
-    assert lit_cells.any() and np.all(np.asarray(deep)[lit_cells] > 0)
-    depth = [float((density * SPACE.volume) @ below) / 1.2 for density in (shallow, deep)]
-    assert depth[0] < depth[1]
+    for share, size in [(in_depth(1, 0, 0.0), 1e-3), (in_depth(0, 1, 0.0), 2e-3)]:
+        (source,) = share.to_model(bare(under), under).volume
+        assert isinstance(source, NodalSource)
+        rate = np.asarray(source.rate)
+        assert rate.sum() == pytest.approx(1.2, rel=1e-9)
+        # Mean depth of exp(-z / size) down to 8 mm, although cells are 4 mm high.
+        mean = size - 0.008 / np.expm1(0.008 / size)
+        assert rate @ (0.008 - NODES[:, 2]) / 1.2 == pytest.approx(mean, rel=0.02)
+        # Along the surface it lies where the lamp's light does.
+        lamp = np.asarray(under.profile) * np.asarray(SPACE.face_weight)
+        across = (lamp[..., None] * SPACE.face_point[..., :2]).sum((0, 1))
+        np.testing.assert_allclose(rate @ NODES[:, :2] / 1.2, across, atol=4e-4)
+
+
+def test_heat_released_inside_is_released_about_its_place() -> None:
+    (source,) = HiddenSource(one(2.0), at(INSIDE, 0.0015)).to_model(bare(hot()), hot()).volume
+    assert isinstance(source, NodalSource)
+    rate = np.asarray(source.rate)
+    assert rate.sum() == pytest.approx(2.0, rel=1e-9)
+    np.testing.assert_allclose(rate @ NODES / 2.0, INSIDE, atol=3e-4)
 
 
 def test_light_below_the_surface_is_that_of_a_lamp_that_is_stronger() -> None:

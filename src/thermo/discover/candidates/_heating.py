@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import ClassVar, final
+from typing import ClassVar, Final, final
 
 import jax.numpy as jnp
 import numpy as np
@@ -14,16 +14,26 @@ from thermo.discover._candidate import (
     AbstractHeatCandidate,
     Card,
     Place,
-    in_cells,
 )
 from thermo.inverse import Conditions
-from thermo.physics import Model
-from thermo.physics.effects import Heating, Schedule, VolumetricSource
+from thermo.physics import Model, VolumeRule, volume_rule
+from thermo.physics.effects import Heating, NodalSource, Schedule
+
+# Light may be gone within a cell: its integral takes a rule of this degree [1].
+_FINE: Final = 5
 
 
 def _lamps(model: Model, change: Callable[[Heating], Heating]) -> Model:
     surface = tuple(change(one) if isinstance(one, Heating) else one for one in model.surface)
     return replace(model, surface=surface)
+
+
+def _released(
+    rule: VolumeRule, shapes: Float[Array, "parts points cells"], power: Float[Array, " parts"]
+) -> Float[Array, "points cells"]:
+    """Density [W/m3] of heat released as each shape [1], so that its integral is its power [W]."""
+    whole = jnp.einsum("pqc,qc->p", shapes, rule.weight)
+    return jnp.tensordot(power / jnp.where(whole > 0, whole, 1.0), shapes, 1)
 
 
 @final
@@ -42,11 +52,10 @@ class HiddenSource(AbstractHeatCandidate):
     def to_model(self, model: Model, under: Conditions) -> Model:
         """The model [SI] with sources in it."""
         del under
-        shapes = in_cells(model.space, self.place)
-        volume = jnp.asarray(model.space.volume)
-        density = (self.strength / jnp.maximum(shapes @ volume, 1e-30)) @ shapes
         always = Schedule(jnp.asarray(1e12), jnp.asarray(0.0))
-        return replace(model, volume=(*model.volume, VolumetricSource(density, always)))
+        rule = volume_rule(model.space, 2)
+        rate = rule.load(_released(rule, self.place.shapes(rule.at), self.strength))
+        return replace(model, volume=(*model.volume, NodalSource(rate, always)))
 
 
 @final
@@ -116,17 +125,15 @@ class InDepthAbsorption(AbstractHeatCandidate):
 
     def to_model(self, model: Model, under: Conditions) -> Model:
         """The model [SI] with light that reaches below the surface."""
-        space, mesh = model.space, model.space.mesh
-        middle = jnp.asarray(mesh.nodes[mesh.faces[:, :3]].mean(1))[space.skin]
-        way = jnp.asarray(mesh.nodes[mesh.cells[:, :4]].mean(1)) - middle
-        below = jnp.abs(jnp.sum(way * jnp.asarray(mesh.normals)[space.skin], -1))
-        lit = jnp.mean(under.profile, 1)[space.skin]
-        volume = jnp.asarray(model.space.volume)
-        shapes = lit * jnp.exp(-below / self.place.size[:, None])
-        total = shapes @ volume
-        density = (self.strength / jnp.where(total > 0, total, 1.0)) @ shapes
+        mesh, rule = model.space.mesh, volume_rule(model.space, _FINE)
+        middle = jnp.asarray(mesh.nodes[mesh.faces[:, :3]].mean(1))[under.lit]
+        normal = jnp.asarray(mesh.normals)[under.lit]
+        below = jnp.maximum(jnp.sum((middle - rule.at) * normal, -1), 0.0)
+        shapes = jnp.exp(-below / self.place.size[:, None, None])
+        light = jnp.mean(under.profile, 1)[under.lit]
+        rate = rule.load(_released(rule, light * shapes, self.strength))
         sources = tuple(
-            VolumetricSource(lamp.power * density, lamp.schedule)
+            NodalSource(lamp.power * rate, lamp.schedule)
             for lamp in model.surface
             if isinstance(lamp, Heating)
         )

@@ -5,6 +5,7 @@ from thermo.physics.effects._effect import AbstractSurfaceEffect, AbstractVolume
 from thermo.physics.effects._gap import GapExchange, gap_exchange
 from thermo.physics.effects._heating import (
     Heating,
+    NodalSource,
     PrescribedFlux,
     VolumetricSource,
     patch_profile,
@@ -30,6 +31,7 @@ __all__ = [
     "PrescribedTemperature",
     "Radiation",
     "Schedule",
+    "NodalSource",
     "VolumetricSource",
     "gap_exchange",
     "patch_profile",

@@ -7,6 +7,8 @@ from abc import abstractmethod
 import equinox as eqx
 from jaxtyping import Array, Float
 
+from thermo.physics._discretisation import Discretisation
+
 Time = float | Float[Array, ""]
 
 
@@ -31,8 +33,8 @@ class AbstractSurfaceEffect(eqx.Module):
 
 
 class AbstractVolumeEffect(eqx.Module):
-    """Heat released inside the body [W/m3]."""
+    """Heat released inside the body."""
 
     @abstractmethod
-    def power(self, time: Time) -> Float[Array, " cells"]:
-        """Power density [W/m3] of each cell at a time [s]."""
+    def load(self, space: Discretisation, time: Time) -> Float[Array, " nodes"]:
+        """Nodal heat rate [W] at a time [s], integral of q N_i."""

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from thermo.physics._discretisation import Discretisation
+from thermo.physics._discretisation import Discretisation, volume_load
 from thermo.physics.effects._effect import AbstractSurfaceEffect, AbstractVolumeEffect, Time
 from thermo.physics.effects._schedule import History, Schedule, value_at
 
@@ -81,9 +81,25 @@ class VolumetricSource(AbstractVolumeEffect):
     density: Float[Array, " cells"]
     schedule: Schedule
 
-    def power(self, time: Time) -> Float[Array, " cells"]:
-        """Power density [W/m3] at a time [s]."""
-        return self.density * self.schedule.share(time)
+    def load(self, space: Discretisation, time: Time) -> Float[Array, " nodes"]:
+        """Nodal heat rate [W] at a time [s]."""
+        return volume_load(space, self.density * self.schedule.share(time))
+
+
+@final
+class NodalSource(AbstractVolumeEffect):
+    """Heat released inside, integrated beforehand.
+
+    - `rate`: integral of q N_i at full power, (nodes,) [W]; `schedule`: when it is on.
+    """
+
+    rate: Float[Array, " nodes"]
+    schedule: Schedule
+
+    def load(self, space: Discretisation, time: Time) -> Float[Array, " nodes"]:
+        """Nodal heat rate [W] at a time [s]."""
+        del space
+        return self.rate * self.schedule.share(time)
 
 
 def spot_profile(
