@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 import skfem
 
-from thermo.physics import Model, assemble, heat_rate, volume_rule
+from thermo.physics import Discretisation, Model, assemble, heat_rate, volume_rule
 from thermo.physics.effects import NodalSource, Schedule
 
 from .test_matrices import bent, close, reference
@@ -42,3 +44,11 @@ def test_powers_up_to_the_degree_are_exact(degree: int) -> None:
             float((one.at[..., 1] ** power * one.weight).sum()) for one in (rule, exact)
         )
         assert found == pytest.approx(wanted, rel=1e-12)
+
+
+def test_a_rule_is_made_within_a_compiled_program_as_well() -> None:
+    def middle(space: Discretisation) -> jax.Array:
+        rule = volume_rule(space, 2)
+        return jnp.einsum("qcx,qc->x", rule.at, rule.weight)
+
+    np.testing.assert_allclose(eqx.filter_jit(middle)(bent(1)), middle(bent(1)), rtol=1e-12)

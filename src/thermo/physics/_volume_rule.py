@@ -6,7 +6,6 @@ from typing import final
 
 import equinox as eqx
 import jax.numpy as jnp
-import numpy as np
 from jaxtyping import Array, Float, Int
 
 from thermo.physics._discretisation import Discretisation
@@ -26,7 +25,7 @@ class VolumeRule(eqx.Module):
     at: Float[Array, "points cells 3"]
     weight: Float[Array, "points cells"]
     shape: Float[Array, "points corners"]
-    cells: Int[np.ndarray, "cells corners"]
+    cells: Int[Array, "cells corners"]
     nodes: int = eqx.field(static=True)
 
     def load(self, density: Float[Array, "points cells"]) -> Float[Array, " nodes"]:
@@ -42,11 +41,11 @@ def volume_rule(space: Discretisation, degree: int) -> VolumeRule:
     """Points of a body whose integrals are exact for polynomials to a degree [1]."""
     points, weights = tetrahedron_rule(degree)
     mesh = space.mesh
-    corners = mesh.nodes[mesh.cells[:, :4]]
+    corners = jnp.asarray(mesh.nodes)[jnp.asarray(mesh.cells)[:, :4]]
     return VolumeRule(
-        jnp.asarray(np.einsum("qa,cax->qcx", points, corners)),
+        jnp.einsum("qa,cax->qcx", points, corners),
         jnp.asarray(weights)[:, None] * jnp.asarray(space.volume),
         jnp.asarray(cell_shape(points, space.order)),
-        np.asarray(mesh.cells),
+        jnp.asarray(mesh.cells),
         len(mesh.nodes),
     )

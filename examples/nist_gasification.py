@@ -1,0 +1,184 @@
+"""What is missing in a model of a copper plate, or of an insulation board, under a radiant panel.
+
+    python examples/nist_gasification.py copper|insulation [DATA_FOLDER] [--out FOLDER]
+
+The measurements are NIST's (Leventon and De Lannoye 2023, doi 10.18434/mds2-2940), means of three
+tests in the gasification apparatus at 50 kW/m2. They are not in this repository: DATA_FOLDER, or
+the environment variable THERMOFIELD_DATA, names the folder that holds measured/nist_gasification.
+
+How they are made scenes:
+
+- Couples lie near the axis of discs of 82.5 mm, far from the edge, so that the body is a column
+  under the panel's middle whose sides are insulated. The panel is a lamp so wide that its flux is
+  even, and its rise after the shutter opens is the stated one.
+- The copper plate (3.175 mm, on fibre insulation, one couple at its back) is said to do nothing
+  but absorb 0.92 of the flux: no convection, no radiation, and nothing lost behind.
+- The insulation board has couples 5.72, 11.44 and 17.16 mm below its top. What the outer two read
+  is prescribed, and the one between is compared with a conductivity that does not change.
+- Half the stated uncertainty, which is of two standard deviations, is the model error.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+import thermo
+from thermo.discover import Verdict, discover
+from thermo.inverse import Meshing, Prior, Stepping
+from thermo.observe import (
+    Box,
+    Course,
+    Heater,
+    Prescribed,
+    Recording,
+    Run,
+    StatedMaterial,
+    write_scene,
+)
+from thermo.report import discovery_record, write_discovery
+
+ROOT = Path(__file__).resolve().parents[1]
+RECORDS = Path("measured/nist_gasification")
+
+FLUX = 50e3  # W/m2, on the middle
+RISE = Course(
+    [1.0, 9.0, 11.0, 59.0, 61.0, 119.0, 121.0], [0.9401, 0.9401, 0.9598, 0.9598, 0.9831, 0.9831, 1]
+)
+ABSORBED = 0.92
+PLATE = 3.175e-3  # m
+SIDE = 4e-3  # m, of the column
+LAYER = 5.72e-3  # m, between couples
+
+
+def read(folder: Path, name: str, columns: int) -> np.ndarray:
+    """The table of a record, its rows of units left out: times [s], then temperatures [K]."""
+    path = folder / RECORDS / name
+    if not path.is_file():
+        raise FileNotFoundError(
+            f"the measurement is not at {path}\nname its folder: python "
+            "examples/nist_gasification.py copper DATA_FOLDER, or set THERMOFIELD_DATA"
+        )
+    return np.loadtxt(path, delimiter=",", skiprows=2, usecols=range(columns))
+
+
+def sides(height: float) -> Box:
+    """All faces but the top and, where it lies at zero, the bottom [m]."""
+    return Box([-1.0, -1.0, 1e-3 * height], [1.0, 1.0, 0.999 * height])
+
+
+def column(path: Path, height: float) -> None:
+    """A column of square section [m], from zero up."""
+    body = trimesh.creation.box([SIDE, SIDE, height])
+    body.apply_translation([0.0, 0.0, height / 2])
+    body.export(path)
+
+
+def copper(data: Path, out: Path) -> tuple[float, float]:
+    """Write the scene of the copper plate. Returns readings' model error [K] and the time [s]."""
+    table = read(data, "Black-Copper_q50_Temp.csv", 3)
+    time, seen, doubt = table.T
+    start = float(seen[0])
+    panel = Heater(
+        [0.0, 0.0, 1.0], [0.0, 0.0, -1.0], 1.0, ABSORBED * FLUX * SIDE**2, 1e6, 0.0, RISE
+    )
+    behind = Box([-1.0, -1.0, -1e-6], [1.0, 1.0, 1e-6])
+    run = Run(
+        name="panel", recording=Recording(np.zeros((1, 3)), time, seen[:, None]),
+        initial_temperature=start, ambient_temperature=298.0, radiation_temperature=289.0,
+        heater=panel, insulated=(sides(PLATE), behind),
+    )  # fmt: skip
+    surface = out.with_suffix(".ply")
+    column(surface, PLATE)
+    write_scene(out, thermo.Scene(
+        folder=out, object="copper plate", surface_path=surface, unit="m",
+        material=StatedMaterial("copper", 8940.0, 390.0, 390.0), convection=0.0, emissivity=0.0,
+        unknown=("conductivity",), prior={"conductivity": 0.1}, runs={"panel": run},
+    ))  # fmt: skip
+    return float(np.mean(doubt)) / 2, float(time[-1])
+
+
+def insulation(data: Path, out: Path) -> tuple[float, float]:
+    """Write the scene of the insulation board. Returns as `copper` does."""
+    table = read(data, "Black-Insulation_q50_Temp.csv", 7)
+    time, above, middle, below, *doubts = table.T
+    height = 2 * LAYER
+    whole = ([-1.0, -1.0], [1.0, 1.0])
+    ends = tuple(
+        Prescribed([*whole[0], at - 1e-5], [*whole[1], at + 1e-5], time, values)
+        for at, values in ((height, above), (0.0, below))
+    )
+    start = float(middle[0])
+    run = Run(
+        name="panel",
+        recording=Recording(np.array([[SIDE / 2, 0.0, LAYER]]), time, middle[:, None]),
+        initial_temperature=start, ambient_temperature=start, radiation_temperature=start,
+        prescribed=ends, insulated=(sides(height),),
+    )  # fmt: skip
+    surface = out.with_suffix(".ply")
+    column(surface, height)
+    write_scene(out, thermo.Scene(
+        folder=out, object="insulation board", surface_path=surface, unit="m",
+        material=StatedMaterial("Kaowool PM", 256.0, 1070.0, 0.06), convection=0.0, emissivity=0.0,
+        unknown=("conductivity",), prior={}, runs={"panel": run},
+    ))  # fmt: skip
+    return float(np.mean(doubts)) / 2, float(time[-1])
+
+
+CASES: dict[str, Callable[[Path, Path], tuple[float, float]]] = {
+    "copper": copper, "insulation": insulation,
+}  # fmt: skip
+
+
+def run(case: str, data: Path, out: Path, say: Callable[[str], None] = print) -> Verdict:
+    """Write the scene of a case below `out`, and ask what is missing."""
+    out.mkdir(parents=True, exist_ok=True)
+    error, _ = CASES[case](data, out / "scene")
+    return discover(
+        out / "scene", model_error=error, meshing=Meshing(max_nodes=1500), say=say,
+        stepping=Stepping(most_frames=300), prior=Prior(),
+    )  # fmt: skip
+
+
+def print_rounds(verdict: Verdict) -> None:
+    """What was found, round by round."""
+    for number, one in enumerate(verdict.rounds, 1):
+        low, high = one.effect.interval95
+        names = " or ".join(one.together)
+        print(
+            f"round {number}: {names}, {one.effect.strength:.3g} {one.effect.card.unit} "
+            f"[{low:.3g}, {high:.3g}], rms {one.rms_before['panel']:.2f} to "
+            f"{one.rms_after['panel']:.2f} K"
+        )
+    for name, (before, after) in verdict.parameters.items():
+        print(f"{name}: {before:.4g} before, {after:.4g} after")
+    for words in (verdict.verdict, *verdict.remarks):
+        print(words)
+
+
+def main() -> None:
+    """Ask, print, and leave the page."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("case", choices=sorted(CASES))
+    parser.add_argument("data", nargs="?", help="folder that holds measured/nist_gasification")
+    parser.add_argument("--out", type=Path, default=Path("outputs/nist_gasification"))
+    asked = parser.parse_args()
+    named = asked.data or os.environ.get("THERMOFIELD_DATA")
+    out = asked.out / asked.case
+    try:
+        verdict = run(asked.case, Path(named) if named else ROOT / "data", out)
+    except (FileNotFoundError, thermo.InputError) as fault:
+        sys.exit(f"nist_gasification: {fault}")
+    print_rounds(verdict)
+    write_discovery(out, discovery_record(verdict) | {"object": asked.case})
+    print(f"page: {out / 'verdict.html'}")
+
+
+if __name__ == "__main__":
+    main()
