@@ -99,7 +99,7 @@ def copper(data: Path, out: Path) -> tuple[float, float]:
     write_scene(out, thermo.Scene(
         folder=out, object="copper plate", surface_path=surface, unit="m",
         material=StatedMaterial("copper", 8940.0, 390.0, 390.0), convection=0.0, emissivity=0.0,
-        unknown=("conductivity",), prior={"conductivity": 0.1}, runs={"panel": run},
+        unknown=("conductivity",), prior={"conductivity": 0.01}, runs={"panel": run},
     ))  # fmt: skip
     return float(np.mean(doubt)) / 2, float(time[-1])
 

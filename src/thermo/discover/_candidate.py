@@ -96,12 +96,3 @@ def face_shares(space: Discretisation) -> Float[Array, "faces points"]:
     """Weights [1] of the points of each face in a mean over it."""
     weight = jnp.asarray(space.face_weight)
     return weight / weight.sum(1, keepdims=True)
-
-
-def cell_points(space: Discretisation) -> Float[Array, "points cells 3"]:
-    """Four points in each cell whose mean is exact for squares [m]."""
-    corners = jnp.asarray(space.mesh.nodes[space.mesh.cells[:, :4]])
-    # Of the rule of second order on tetrahedra (Hammer and Stroud 1956).
-    near, far = (5 + 3 * 5**0.5) / 20, (5 - 5**0.5) / 20
-    weight = jnp.full((4, 4), far) + (near - far) * jnp.eye(4)
-    return jnp.einsum("pa,cax->pcx", weight, corners)

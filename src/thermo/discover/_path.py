@@ -79,7 +79,7 @@ def _rest(one: Round | None) -> str:
     name = one.effect.card.name
     return (
         f"A rest is left that no candidate explains; the closest is {name}, "
-        f"which closes {100 * one.closed:.0f} % of it."
+        f"which closes {100 * max(one.closed, 0.0):.0f} % of it."
     )
 
 

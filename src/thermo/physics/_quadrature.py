@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float
 
+_PAIRS = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
+
 
 def triangle_rule(
     order: int,
@@ -35,11 +37,23 @@ def tetrahedron_rule(
 ) -> tuple[Float[np.ndarray, "points 4"], Float[np.ndarray, " points"]]:
     """Points and weights [1] on a tetrahedron, exact to `degree`; the weights sum to one.
 
-    Conical product of Gauss-Jacobi rules: positive weights for any degree.
+    Symmetric rules of 4 and 14 points for degrees 2 and 5, else a conical product of Gauss-Jacobi
+    rules: positive weights for any degree.
 
-    Source: Stroud, Approximate Calculation of Multiple Integrals, section 2.3.
+    Source: Hammer and Stroud, MTAC 10 (1956) 137; Walkington, Quadrature on simplices of arbitrary
+    dimension (2000); Stroud, Approximate Calculation of Multiple Integrals, section 2.3.
     """
     from scipy.special import roots_jacobi
+
+    if degree == 2:
+        return _about_corners((5 - np.sqrt(5.0)) / 20), np.full(4, 0.25)
+    if degree == 5:
+        near, far = 0.31088591926330060980, 0.092735250310891226402
+        edge, rest = 0.045503704125649649492, 0.5 - 0.045503704125649649492
+        middle = [[rest if corner in pair else edge for corner in range(4)] for pair in _PAIRS]
+        weights = (0.11268792571801585080, 0.073493043116361949544, 0.042546020777081466438)
+        points = np.concatenate([_about_corners(near), _about_corners(far), np.array(middle)])
+        return points, np.repeat(weights, (4, 4, 6))
 
     count = degree // 2 + 1
     axes = [roots_jacobi(count, float(power), 0.0) for power in (2, 1, 0)]
@@ -51,3 +65,8 @@ def tetrahedron_rule(
     third = w * (1 - u) * (1 - v)
     points = np.stack([1 - first - second - third, first, second, third], -1).reshape(-1, 4)
     return points, np.einsum("i,j,k->ijk", *weights).ravel()
+
+
+def _about_corners(away: float) -> Float[np.ndarray, "4 4"]:
+    """Points each nearest to one corner, or farthest from it, by the share of the others [1]."""
+    return np.full((4, 4), away) + (1 - 4 * away) * np.eye(4)

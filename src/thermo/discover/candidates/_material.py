@@ -8,9 +8,9 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from thermo.discover._candidate import AbstractHeatCandidate, Card, Place, cell_points
+from thermo.discover._candidate import AbstractHeatCandidate, Card, Place
 from thermo.inverse import Conditions
-from thermo.physics import Model
+from thermo.physics import Model, volume_rule
 from thermo.physics.effects import PolynomialLaw
 
 REFERENCE = 293.15
@@ -103,7 +103,8 @@ class Void(AbstractHeatCandidate):
     def to_model(self, model: Model, under: Conditions) -> Model:
         """The model [SI] with voids in it."""
         del under
-        boxes = self.place.boxes(cell_points(model.space)).mean(1)
+        # The points of a rule of this degree weigh alike.
+        boxes = self.place.boxes(volume_rule(model.space, 2).at).mean(1)
         factor = jnp.maximum(1 - self.strength @ boxes, _LEAST)
         shape = (-1,) + (1,) * (model.conductivity.ndim - 1)
         return replace(model, conductivity=model.conductivity * factor.reshape(shape))
