@@ -43,6 +43,11 @@ VISIBLE = 8.0
 Readings = dict[str, np.ndarray]
 
 
+def initial(run: str) -> float:
+    """Temperature at which a run begins [K]."""
+    return HOT if run == "cooling" else COLD
+
+
 @dataclass(frozen=True)
 class Case:
     """A scene to be made: a body, a noise, a seed, and who makes what is hidden."""
@@ -119,8 +124,7 @@ def readings(
     for run in runs:
         lamp = LAMPS[run]
         lamp = changed(lamp) if lamp else None
-        initial = HOT if run == "cooling" else COLD
-        time, values = simulate(where, physics, lamp, initial, tick[-1], finer)
+        time, values = simulate(where, physics, lamp, initial(run), tick[-1], finer)
         # Smooth from switch to switch.
         ends = [0.0, *([lamp.until] if lamp else []), tick[-1]]
         made = np.zeros((len(tick), values.shape[1]))
@@ -181,10 +185,15 @@ def make(case: Case, folder: Path, usual: Path) -> Made:
         # A single effect was simulated in the fitted runs when its size was measured.
         done = shown[0] if len(hidden) == 1 else {}
         found = done | readings(where, physics, lamp, [run for run in LAMPS if run not in done])
+    tick = np.arange(len(found["lamp"])) * TICK
+    quiet = {run: np.full_like(value, initial(run)) for run, value in found.items()}
     for one in hidden:
-        tick = np.arange(len(found["lamp"])) * TICK
-        found = {run: one.read(tick, value, where.points) for run, value in found.items()}
-    _write(case, folder, said, found, random)
+        # What reads wrongly did so before the run as well.
+        found, quiet = (
+            {run: one.read(tick, value, where.points) for run, value in readings.items()}
+            for readings in (found, quiet)
+        )
+    _write(case, folder, said, found, {run: value[0] for run, value in quiet.items()}, random)
     return Made(hidden, visible)
 
 
@@ -230,8 +239,9 @@ def _visible(there: Readings, hidden: Hidden, case: Case, usual: Path) -> float:
 
 
 def _write(
-    case: Case, folder: Path, said: Physics, found: Readings, random: np.random.Generator
-) -> None:
+    case: Case, folder: Path, said: Physics, found: Readings, quiet: Readings,
+    random: np.random.Generator,
+) -> None:  # fmt: skip
     folder.mkdir(parents=True, exist_ok=True)
     where = the_body(case.shape)
     where.surface.export(folder / "surface.ply")
@@ -239,8 +249,7 @@ def _write(
     size, pattern, correlation = NOISES[case.noise]
     runs = {}
     for run, values in found.items():
-        initial = HOT if run == "cooling" else COLD
-        frames = np.concatenate([np.full((QUIET, values.shape[1]), initial), values[:last:every]])
+        frames = np.concatenate([np.tile(quiet[run], (QUIET, 1)), values[:last:every]])
         fresh = random.standard_normal(frames.shape)
         fresh[1:] *= np.sqrt(1 - correlation**2)
         frames += size * lfilter([1.0], [1.0, -correlation], fresh, axis=0)
@@ -251,7 +260,7 @@ def _write(
         )  # fmt: skip
         lamp = LAMPS[run]
         runs[run] = {
-            "recording": f"{run}.npz", "initial_temperature": initial, "ambient_temperature": COLD,
+            "recording": f"{run}.npz", "initial_temperature": initial(run), "ambient_temperature": COLD,
             "radiation_temperature": COLD, "held_out": run == "held_out",
             "heater": None if lamp is None else {
                 "kind": "spot", "centre": lamp.centre, "direction": lamp.direction,
