@@ -260,8 +260,9 @@ def _write(
         )  # fmt: skip
         lamp = LAMPS[run]
         runs[run] = {
-            "recording": f"{run}.npz", "initial_temperature": initial(run), "ambient_temperature": COLD,
-            "radiation_temperature": COLD, "held_out": run == "held_out",
+            "recording": f"{run}.npz", "initial_temperature": initial(run),
+            "ambient_temperature": COLD, "radiation_temperature": COLD,
+            "held_out": run == "held_out",
             "heater": None if lamp is None else {
                 "kind": "spot", "centre": lamp.centre, "direction": lamp.direction,
                 "radius": lamp.radius, "power": lamp.power, "until": lamp.until, "rise": lamp.rise,
