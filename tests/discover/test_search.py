@@ -10,7 +10,7 @@ from thermo.discover._candidate import Card
 from thermo.discover._descent import Ended
 from thermo.discover._entries import Entry
 from thermo.discover._extended import Extended
-from thermo.discover._rounds import share_closed
+from thermo.discover._rounds import share_closed, together
 from thermo.discover._scores import Score
 from thermo.discover._search import Refit, Standing, in_order, near_best
 from thermo.discover._softening import Block
@@ -74,6 +74,18 @@ def test_the_first_is_always_measured_anew_and_those_behind_by_little_of_its_gai
     # The closest may be one that was free to be: what is first by the criterion is near itself.
     worse = in_order([refit("free", 199.0, 30), refit("poor", 199.5, 3)])
     assert names(near_best(before, worse)) == ["poor"]
+
+
+def test_what_explains_as_much_stays_beside_the_best_however_free_it_was() -> None:
+    made = in_order([refit("plain", 50.0, 3), refit("free", 49.9, 13), refit("worse", 70.0, 3)])
+    assert names(made) == ["plain", "free", "worse"]
+    assert together(made, 1.0, 9.0) == ["plain", "free"]
+    assert together(made, 1.0, 21.0) == ["plain", "free", "worse"]
+    # Of one that leaves more than the best does but was less free, the criterion decides.
+    made = in_order([refit("many", 40.0, 9), refit("few", 50.0, 3)])
+    assert names(made) == ["few", "many"] and together(made, 1.0, 9.0) == ["few", "many"]
+    made = in_order([refit("many", 30.0, 9), refit("few", 50.0, 3)])
+    assert together(made, 1.0, 9.0) == ["many", "few"] and together(made, 1.0, 7.0) == ["many"]
 
 
 def test_at_most_three_are_measured_anew() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -35,8 +36,10 @@ def scene(block: Path) -> Scene:
 @pytest.fixture(scope="session")
 def meshing(tmp_path_factory: pytest.TempPathFactory) -> Meshing:
     """Linear cells, few of them, and what they make wrong is left in: it takes finer runs."""
-    cache = tmp_path_factory.mktemp("meshes")
-    return Meshing(order=1, max_nodes=1500, corrected=False, cache=cache)
+    # All processes of a session use the same meshes, so that they share compiled programs.
+    base = tmp_path_factory.getbasetemp()
+    folder = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+    return Meshing(order=1, max_nodes=1500, corrected=False, cache=folder / "meshes")
 
 
 @pytest.fixture(scope="session")

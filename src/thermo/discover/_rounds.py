@@ -20,8 +20,10 @@ from thermo.mesh import face_areas
 def make_round(before: Standing, made: list[Refit], table: ScoreTable) -> Round:
     """What the best of the refits explains, and which others explain as much [1].
 
-    Where the best leaves more than noise, what it leaves counts as noise: the misfit of a model
-    that is not quite right tells rivals apart less well than the noise alone would.
+    One stays beside the best unless that gains more over it than the threshold squared, by the
+    criterion or by what is left alone: freedom that a rival had no need of is no ground to exclude
+    it. Where the best leaves more than noise, what it leaves counts as noise: the misfit of a
+    model that is not quite right tells rivals apart less well than the noise alone would.
 
     Source: McCullagh and Nelder, Generalized Linear Models (1989), section 9.2, quasi-likelihood.
     """
@@ -29,10 +31,6 @@ def make_round(before: Standing, made: list[Refit], table: ScoreTable) -> Round:
     spread = best.standing.misfit()
     ended = {one.name(): one.standing.ended for one in made}
     least = min(one.loss() for one in ended.values())
-    first = ended[best.name()].criterion(spread)
-    near = [
-        name for name, one in ended.items() if one.criterion(spread) - first < table.threshold**2
-    ]
     left = {name: one.loss() - least for name, one in ended.items()}
     whole = max(before.ended.loss() - least, 1e-12)
     gain = 2 * (before.ended.loss() - ended[best.name()].loss()) / spread
@@ -41,12 +39,26 @@ def make_round(before: Standing, made: list[Refit], table: ScoreTable) -> Round:
         candidates=candidacies(table, left, whole),
         threshold=table.threshold,
         effect=effect_of(best.standing, best.standing.active[-1], spread),
-        together=near,
+        together=together(made, spread, table.threshold**2),
         p_value=float(chi2.sf(gain, more)),
         rms_before=rms(before),
         rms_after=rms(best.standing),
         closed=share_closed(before, best.standing),
     )
+
+
+def together(made: list[Refit], spread: float, most: float) -> list[str]:
+    """Names of refits that the first does not exclude, by `most` in squares over `spread` [1]."""
+    first = made[0].standing.ended
+    behind = [
+        (
+            one.name(),
+            one.standing.ended.criterion(spread) - first.criterion(spread),
+            2 * (one.standing.ended.loss() - first.loss()) / spread,
+        )
+        for one in made
+    ]
+    return [name for name, *each in behind if min(each) < most]
 
 
 def share_closed(before: Standing, after: Standing) -> float:
