@@ -8,7 +8,7 @@ effects of the library, seven that it lacks, six pairs.
 
 A case whose result lies in FOLDER is not made again, so that the suite can be interrupted.
 `--share 0/2` and `--share 1/2` make its halves side by side, body by body, since the cases of one
-body share compiled programs. `--table` writes the tables in benchmarks/results of what there is.
+body share compiled programs. `--table` adds what FOLDER holds to the tables in benchmarks/results.
 `--check` prints how exact the recordings are.
 """
 
@@ -29,6 +29,7 @@ from thermo.inverse import Meshing
 from thermo.report import discovery_record
 
 RESULTS = Path(__file__).parent / "results"
+CASES = "hidden_effects.csv"
 NODES = 3000
 
 
@@ -138,28 +139,34 @@ def right(row: dict[str, Any]) -> str:
     return "partly" if any(found) else "set of wrong ones"
 
 
+HEADER = [
+    "case", "material", "visible", "true strength", "verdict", "sets", "strength", "low",
+    "high", "answer", "held out before", "held out after", "noise", "seconds",
+]  # fmt: skip
+
+
 def write_tables(rows: list[dict[str, Any]]) -> None:
-    """One line a case, and one a stratum."""
-    header = [
-        "case", "material", "visible", "true strength", "verdict", "sets", "strength", "low",
-        "high", "answer", "held out before", "held out after", "noise", "seconds",
-    ]  # fmt: skip
-    lines = []
+    """One line a case, and one a stratum; lines of cases that were not run now stay."""
+    lines = {}
+    if (RESULTS / CASES).exists():
+        with (RESULTS / CASES).open(newline="", encoding="utf-8") as file:
+            lines = {line[0]: line for line in list(csv.reader(file))[1:]}
     for row in rows:
         first = row["interval"][0] if row["interval"] else (None, None)
         numbers = [row["strength"][0] if row["strength"] else None, *first, *row["held_out"]]
         short = [None if one is None else f"{one:.4g}" for one in numbers]
-        lines.append([
+        lines[row["case"]] = [
             row["case"], row["material"], " ".join(f"{one:.0f}" for one in row["visible"]),
             " ".join(f"{one:.3g}" for one in row["true_strength"]), row["verdict"],
             "; ".join(" ".join(one) for one in row["sets"]), *short[:3], right(row), *short[3:],
             f"{row['seconds']:.0f}",
-        ])  # fmt: skip
-    _write("hidden_effects.csv", [header, *lines])
+        ]  # fmt: skip
+    _write(CASES, [HEADER, *(lines[name] for name in sorted(lines))])
     strata: dict[tuple[str, str], list[str]] = {}
-    for row in rows:
-        for stratum in ("all", "+".join(row["hidden"]) or row["noise"], row["shape"]):
-            strata.setdefault((row["group"], stratum), []).append(right(row))
+    for name, line in lines.items():
+        group, hidden, shape, _, noise, _ = name.split("-")
+        for stratum in ("all", noise if hidden == "clean" else hidden, shape):
+            strata.setdefault((group, stratum), []).append(line[HEADER.index("answer")])
     words = ["right", "set", "partly", "refused", "missed", "set of wrong ones", "wrong"]
     table = [
         [*key, len(found), *(found.count(word) for word in words)]

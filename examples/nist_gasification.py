@@ -31,7 +31,7 @@ import trimesh
 
 import thermo
 from thermo.discover import Verdict, discover
-from thermo.inverse import Meshing, Prior, Stepping
+from thermo.inverse import Meshing, Stepping
 from thermo.observe import (
     Box,
     Course,
@@ -141,8 +141,8 @@ def run(case: str, data: Path, out: Path, say: Callable[[str], None] = print) ->
     out.mkdir(parents=True, exist_ok=True)
     error, _ = CASES[case](data, out / "scene")
     return discover(
-        out / "scene", model_error=error, meshing=Meshing(max_nodes=1500), say=say,
-        stepping=Stepping(most_frames=300), prior=Prior(),
+        out / "scene", model_error=error, meshing=Meshing(max_nodes=1000), say=say,
+        stepping=Stepping(most_frames=120),
     )  # fmt: skip
 
 
