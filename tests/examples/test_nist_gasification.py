@@ -1,0 +1,91 @@
+"""The scenes of the gasification example, of made-up records; the search itself takes minutes."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from thermo import read_scene
+from thermo.inverse._conditions import conditions
+from thermo.mesh import box_mesh
+from thermo.physics import discretise
+
+SCRIPT = Path(__file__).parents[2] / "examples" / "nist_gasification.py"
+SIDE = 4e-3
+
+
+@pytest.fixture(scope="module")
+def example() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("nist_gasification", SCRIPT)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture
+def data(tmp_path: Path) -> Path:
+    """Records of the format of NIST's."""
+    folder = tmp_path / "data" / "measured" / "nist_gasification"
+    folder.mkdir(parents=True)
+    time = np.arange(0.0, 30.0)
+    for name, couples in (("Black-Copper_q50_Temp.csv", 1), ("Black-Insulation_q50_Temp.csv", 3)):
+        columns = [
+            time,
+            *(295.0 + (k + 1) * time for k in range(couples)),
+            *[0 * time + 2] * couples,
+        ]
+        rows = "\n".join(",".join(f"{x:.4f}" for x in row) for row in np.stack(columns, 1))
+        (folder / name).write_text(f"Time,Temperature\n[s],[K]\n{rows}\n", encoding="utf-8")
+    return tmp_path / "data"
+
+
+def test_copper_takes_in_the_panel_s_flux_and_loses_nothing(
+    example: ModuleType, data: Path, tmp_path: Path
+) -> None:
+    error, end = example.copper(data, tmp_path / "scene")
+    assert (error, end) == (1.0, 29.0)
+    run = read_scene(tmp_path / "scene").runs["panel"]
+    height = example.PLATE
+    mesh = box_mesh((SIDE, SIDE, height), (2, 2, 2))
+    space = discretise(mesh)
+    under = conditions(run, space)
+    # The box of the test begins at a corner, the example's at its middle; both are as wide.
+    assert float(under.power) == pytest.approx(0.92 * 50e3 * SIDE**2)
+    top = np.asarray(space.mesh.normals)[:, 2] > 0.5
+    assert np.array_equal(np.asarray(under.exposed) > 0, top)
+    share = [float(under.schedule.share(time)) for time in (5.0, 30.0, 100.0, 500.0)]
+    assert share == pytest.approx([0.9401, 0.9598, 0.9831, 1.0])
+
+
+def test_insulation_is_held_at_both_ends_and_exchanges_nowhere(
+    example: ModuleType, data: Path, tmp_path: Path
+) -> None:
+    example.insulation(data, tmp_path / "scene")
+    scene = read_scene(tmp_path / "scene")
+    run, height = scene.runs["panel"], 2 * example.LAYER
+    above, below = run.prescribed
+    assert above.temperature[-1] == 295.0 + 29.0 and below.temperature[-1] == 295.0 + 3 * 29.0
+    assert run.recording.temperature[-1, 0] == 295.0 + 2 * 29.0
+    space = discretise(box_mesh((SIDE, SIDE, height), (2, 2, 4)))
+    under = conditions(run, space)
+    ends = np.abs(np.asarray(space.mesh.normals)[:, 2]) > 0.5
+    assert np.array_equal(np.asarray(under.exposed) > 0, ends)
+    assert under.prescribed is not None
+    held = np.asarray(under.prescribed.patch)
+    assert np.array_equal(held >= 0, np.isin(space.mesh.nodes[:, 2], [0.0, height]))
+
+
+def test_where_the_records_are_not_it_says_what_to_do(
+    example: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["nist_gasification.py", "copper", str(tmp_path / "no")])
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit, match="THERMOFIELD_DATA"):
+        example.main()
