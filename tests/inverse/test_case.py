@@ -153,8 +153,8 @@ def test_stacked_runs_are_padded_with_steps_of_no_time_and_data_of_no_weight(sce
 
 def test_runs_of_another_structure_are_not_stacked(scene: Scene) -> None:
     lamp, cooling = case(scene.runs["lamp"]), case(scene.runs["cooling"])
-    profile = lamp.under.profile[:-1]
-    other = replace(cooling, under=replace(cooling.under, profile=profile))
+    fewer = {"profile": lamp.under.profile[:-1], "exposed": lamp.under.exposed[:-1]}
+    other = replace(cooling, under=replace(cooling.under, **fewer))
     cases = [lamp, other, case(scene.runs["test_lamp"])]
     groups = stack_cases(cases)
     assert [len(group.data) for group in groups] == [2, 1]
