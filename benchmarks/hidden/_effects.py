@@ -168,6 +168,17 @@ def temperature_dependent_heat_capacity(random: np.random.Generator, body: Body)
     )  # fmt: skip
 
 
+def latent_heat(random: np.random.Generator, body: Body) -> Hidden:
+    """A phase that changes over a range of temperature."""
+    del body
+    strength, width = _uniform(random, 1e3, 4e4), random.uniform(2.0, 6.0)
+    middle = COLD + random.uniform(3.0, 50.0)
+    return Hidden(
+        "latent_heat", strength,
+        physics=lambda one: replace(one, transition=(strength, middle, width)),
+    )  # fmt: skip
+
+
 def ambient_drift(random: np.random.Generator, body: Body) -> Hidden:
     """Surroundings that warm up or cool down."""
     del body
@@ -335,7 +346,7 @@ WITHIN = (
     radiation, local_convection, support_contact, hidden_source, void, anisotropic_conductivity,
     temperature_dependent_conductivity, temperature_dependent_heat_capacity, ambient_drift,
     evaporation, heater_power, heater_lag, sensor_lag, clock_offset, camera_emissivity,
-    in_depth_absorption,
+    in_depth_absorption, latent_heat,
 )  # fmt: skip
 """Effects that the library has."""
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import SuperLU, splu
+from scipy.special import ndtr
 
 from hidden._bodies import Body
 
@@ -63,6 +64,7 @@ class Physics:
     - `along`: factors of the conductivity along x, y, z [1]; `factor`, `capacity_factor`: over
       space [1].
     - `conductivity_slope`, `capacity_slope` by temperature, about 293.15 K [1/K].
+    - `transition`: latent heat [J/kg], its middle and width on the scale of temperature [K].
     - `contact`: towards `COLD` [W/m2/K]; `source` [W/m3]; `vapour` [W/m2/Pa].
     - `drift`: of the surroundings over time [K]; `deep`: share of the light that is absorbed below
       the skin, over a `depth` [m]; `shade`: share of the light that arrives [1]; `start`: what the
@@ -79,6 +81,7 @@ class Physics:
     capacity_factor: Shape = ones
     conductivity_slope: float = 0.0
     capacity_slope: float = 0.0
+    transition: tuple[float, float, float] | None = None
     extra_convection: Shape = nothing
     contact: Shape = nothing
     source: Shape = nothing
@@ -164,22 +167,38 @@ class Heat:
 
     def stored(self, temperature: np.ndarray) -> np.ndarray:
         """Nodal heat beyond the linear part [J]."""
-        if not self.physics.capacity_slope:
+        physics = self.physics
+        if not physics.capacity_slope and physics.transition is None:
             return np.zeros(len(temperature))
-        above = self.body.values @ temperature - 293.15
-        more = self.physics.capacity_slope * above**2 / 2
+        inside = self.body.values @ temperature
+        more = physics.capacity_slope * (inside - 293.15) ** 2 / 2
+        if physics.transition is not None:
+            latent, middle, width = physics.transition
+            more += latent / physics.capacity * ndtr((inside - middle) / width)
         return self.body.values.T @ (self.room * more)
 
+    def peak(self) -> float:
+        """Half of what a transition adds to the capacity at the most, over the capacity [1]."""
+        if self.physics.transition is None:
+            return 0.0
+        latent, _, width = self.physics.transition
+        return latent / (self.physics.capacity * width * np.sqrt(8 * np.pi))
+
     def solve(self, size: float, right: np.ndarray) -> np.ndarray:
-        """(mass + IMPLICIT size matrix)^-1."""
+        """((1 + peak) mass + IMPLICIT size matrix)^-1."""
         if size not in self.factors:
-            self.factors[size] = splu(self.mass + IMPLICIT * size * self.matrix)
+            taken = (1 + self.peak()) * self.mass
+            self.factors[size] = splu(csc_array(taken + IMPLICIT * size * self.matrix))
         return self.factors[size].solve(right)
 
     def stage(self, known: np.ndarray, guess: np.ndarray, size: float, time: float) -> np.ndarray:
-        """Solve heat(T) = known + IMPLICIT size f(T) by fixed point on what is not linear."""
-        for _ in range(50):
+        """Solve heat(T) = known + IMPLICIT size f(T) by fixed point on what is not linear.
+
+        Half of what a transition adds at the most stands on the left, so that it contracts.
+        """
+        for _ in range(200):
             right = known - self.stored(guess) + IMPLICIT * size * self.rest(guess, time)
+            right += self.peak() * (self.mass @ guess)
             after = self.solve(size, right)
             if np.abs(after - guess).max() < 1e-5:
                 return after

@@ -17,14 +17,16 @@ from thermo.discover import (
     Candidate,
     Card,
     Place,
+    Setting,
     Verdict,
     discover,
+    load_effects,
 )
 from thermo.discover.candidates import HeaterPower, HiddenSource
 from thermo.errors import InputError
-from thermo.inverse import Conditions, Meshing, Stepping
-from thermo.mesh import Mesh
+from thermo.inverse import Conditions, Meshing, Stepping, predict
 from thermo.observe import Run, Scene, read_scene
+from thermo.report import discovery_record, write_discovery
 
 MESHING, STEPPING = Meshing(max_nodes=1500), Stepping(tolerance=0.05)
 # The block's own steps are wrong by some 10 mK; a camera of that noise does not see them.
@@ -53,9 +55,9 @@ class WarmingCamera(AbstractReadingCandidate):
         return temperature + self.strength[0] * jnp.maximum(time, 0.0)[:, None]
 
 
-def few(mesh: Mesh, duration: float) -> tuple[Candidate, ...]:
+def few(setting: Setting) -> tuple[Candidate, ...]:
     """A small library: one program of three compiles sooner than that of all."""
-    del duration
+    mesh = setting.mesh
     places = jnp.asarray(np.stack([mesh.nodes.mean(0), mesh.nodes.max(0)]))
     source = HiddenSource(jnp.zeros(2), Place(places, jnp.asarray([0.004, 0.004])))
     return source, HeaterPower(jnp.zeros(1)), WarmingCamera(jnp.zeros(1))
@@ -95,7 +97,9 @@ def test_where_nothing_is_missing_nothing_is_named(scene: Scene) -> None:
     assert least is not None and least < 0.1 and unit == "1"
 
 
-def test_a_lamp_of_another_power_is_named_by_how_much_it_is_off(scene: Scene) -> None:
+def test_a_lamp_of_another_power_is_named_by_how_much_it_is_off(
+    scene: Scene, tmp_path: Path
+) -> None:
     runs = dict(scene.runs)
     for name, run in scene.runs.items():
         if run.heater is not None:
@@ -111,6 +115,17 @@ def test_a_lamp_of_another_power_is_named_by_how_much_it_is_off(scene: Scene) ->
     assert proof.gap_closed is not None and proof.gap_closed > 0.95
     assert proof.rms_after == pytest.approx(NOISE, rel=0.1)
     assert found.omnibus[0] < 1e-6 < found.omnibus[1]
+    # What is left in the folder predicts as the verdict says.
+    write_discovery(tmp_path, found, discovery_record(found) | {"object": "block", "seconds": 1.0})
+    added = load_effects(tmp_path, scene, few)
+    assert [one.card.name for one in added] == ["heater_power"]
+    weak = replace(scene, runs=runs)
+    again = predict(weak, tmp_path, meshing=MESHING, additions=added)["test_lamp"]
+    assert again.scores["spatial"].rmse == pytest.approx(proof.rms_after, rel=0.03)
+    bare = predict(weak, tmp_path, meshing=MESHING, additions=())["test_lamp"]
+    assert bare.scores["spatial"].rmse > 2 * proof.rms_after
+    for name, run in found.extended.runs.items():
+        assert run.rmse == pytest.approx(one.rms_after[name])
 
 
 def test_two_effects_are_both_named_and_their_strengths_are_those_of_one_fit(scene: Scene) -> None:
@@ -131,8 +146,8 @@ def test_two_effects_are_both_named_and_their_strengths_are_those_of_one_fit(sce
 
 
 def test_two_candidates_of_one_name_are_refused(scene: Scene) -> None:
-    def twice(mesh: Mesh, duration: float) -> tuple[Candidate, ...]:
-        return (*few(mesh, duration), HeaterPower(jnp.zeros(1)))
+    def twice(setting: Setting) -> tuple[Candidate, ...]:
+        return (*few(setting), HeaterPower(jnp.zeros(1)))
 
     with pytest.raises(InputError, match="heater_power"):
         discover(scene, candidates=twice, meshing=MESHING, stepping=STEPPING)

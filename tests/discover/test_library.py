@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from lit_box import LAMP, SIZE, STATED, run
 
-from thermo.discover import library
+from thermo.discover import Setting, Transition, library
 from thermo.inverse._addition import AbstractHeatAddition
 from thermo.inverse._conditions import conditions, make_model
 from thermo.inverse._properties import properties
@@ -18,16 +18,24 @@ from thermo.mesh import Mesh, box_mesh
 from thermo.physics import discretise
 
 COARSE, FINE = (box_mesh(SIZE, cut) for cut in ((6, 4, 4), (12, 8, 8)))
-HEAT = [one.card.name for one in library(COARSE, 24.0) if isinstance(one, AbstractHeatAddition)]
+
+
+def setting(mesh: Mesh) -> Setting:
+    return Setting(mesh, 2700.0, 24.0, 290.0, 350.0)
+
+
+HEAT = [one.card.name for one in library(setting(COARSE)) if isinstance(one, AbstractHeatAddition)]
 
 
 def test_every_candidate_is_absent_and_has_a_name_of_its_own() -> None:
-    found = library(COARSE, 24.0)
-    assert len({one.card.name for one in found}) == len(found) == 17
+    found = library(setting(COARSE))
+    assert len({one.card.name for one in found}) == len(found) == 18
     assert all(not np.any(np.asarray(one.strength)) for one in found)
     for one in found:
         assert one.card.low <= 0 < one.card.typical <= one.card.high
-        if one.place is not None and one.place.centre is not None:
+        if isinstance(one.place, Transition):
+            assert np.asarray(one.place.centre) == pytest.approx([295, 305, 315, 325, 335, 345])
+        elif one.place is not None and one.place.centre is not None:
             centres = np.asarray(one.place.centre)
             assert np.all((centres > -1e-12) & (centres < np.array(SIZE) + 1e-12))
             assert len(np.unique(centres.round(9), axis=0)) == len(centres) == 32
@@ -38,7 +46,7 @@ def largest(name: str, mesh: Mesh) -> int:
     space = discretise(mesh)
     body = properties(STATED, {}, len(mesh.cells), len(mesh.faces))
     under = conditions(run(lamp=LAMP), space)
-    (one,) = (one for one in library(mesh, 24.0) if one.card.name == name)
+    (one,) = (one for one in library(setting(mesh)) if one.card.name == name)
     model = make_model(space, body, under)
 
     def made(strength: jax.Array) -> list[jax.Array]:

@@ -134,5 +134,8 @@ def test_the_diffusivity_of_a_body_is_that_of_its_cells() -> None:
     expected = np.quantile(2e-6 * least / least[::-1], [0.05, 0.5])
     found = [diffusivity_quantile(STATED, values, cells, share) for share in (0.05, 0.5)]
     np.testing.assert_allclose(found, expected, rtol=1e-12)
+    exchange = {"convection": (np.zeros(cells), np.full(7, 9.0))}
+    found = diffusivity_quantile(STATED, {**values, **exchange}, cells, 0.5)
+    assert found == pytest.approx(expected[1], rel=1e-12)
     stated = STATED.of("diffusivity")
     assert diffusivity_quantile(STATED, {}, cells, 0.3) == pytest.approx(stated, rel=1e-12)

@@ -5,10 +5,13 @@ from __future__ import annotations
 import jax.numpy as jnp
 import numpy as np
 
-from thermo.discover import Candidacy, Effect, HeldOut, Round, Verdict
-from thermo.discover._extended import Extended
+from thermo.discover import Candidacy, Effect, HeldOut, Place, Round, Verdict
 from thermo.discover.candidates import HiddenSource, SensorLag
+from thermo.inverse import Estimate, RecoveredField, RunFit
+from thermo.inverse._properties import Stated
+from thermo.mesh import box_mesh
 
+MESH = box_mesh((0.02, 0.02, 0.008), (2, 2, 1))
 SOURCE, LAG = HiddenSource.card, SensorLag.card
 
 
@@ -28,6 +31,19 @@ def one_round(together: list[str], closed: float) -> Round:
     return Round(candidacies(), 3.1, effect, together, 1e-30, before, after, closed)
 
 
+def estimate(apart: float) -> Estimate:
+    """A fit that is off by so much [K] wherever x is positive, from the second frame on."""
+    time, points = np.linspace(0.0, 30.0, 4), MESH.nodes[np.unique(MESH.faces)]
+    measured = np.full((len(time), len(points)), 300.0)
+    simulated = measured + apart * (points[:, 0] > 0.01) * (time > 0)[:, None]
+    run = RunFit(apart, 0.05, 0.004, 0.05, time, points, measured, simulated)
+    values = np.full(len(MESH.cells), 2.0), np.full(len(MESH.faces), 2.0)
+    field = RecoveredField("conductivity", "W/m/K", *values)
+    stated = Stated(2.0, 2.4e6, 8.0, 0.85)
+    runs = {"lamp": run, "cooling": run}
+    return Estimate(MESH, 2, stated, {"conductivity": field}, runs, [], True, 1.0, "fine", {})
+
+
 def verdict(word: str) -> Verdict:
     """One of each of the four words."""
     rounds = {
@@ -36,6 +52,8 @@ def verdict(word: str) -> Verdict:
         "none_of_mine": [one_round(["hidden_source"], 0.4)],
         "no_gap": [],
     }[word]
+    place = Place(jnp.asarray([[0.01, 0.0, 0.004]]), jnp.asarray([0.005]))
+    source = HiddenSource(jnp.asarray([1.25]), place)
     return Verdict(
         verdict=word,  # type: ignore[arg-type]
         rounds=rounds,
@@ -48,6 +66,8 @@ def verdict(word: str) -> Verdict:
         parameters={"conductivity": (2.2, 2.0)},
         alias={"hidden_source": {"hidden_source": 1.0}},
         omnibus=(1e-9, 0.4),
-        point=Extended({"conductivity": jnp.zeros(1)}, ()),
+        stated=estimate(0.5),
+        extended=estimate(0.05),
+        additions=(source,) if word in ("named", "inseparable") else (),
         remarks=["A remark."],
     )

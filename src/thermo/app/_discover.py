@@ -52,6 +52,6 @@ def discover(settings: Mapping[str, Any]) -> None:
         "seconds": time.monotonic() - begun,
         "configuration": settings,
     }
-    write_discovery(out, record)
+    write_discovery(out, found, record)
     told = "\n".join(record["sentences"])
     print(f"{discovery_table(record)}\n\n{told}\n\n{out / 'verdict.html'}")

@@ -22,6 +22,7 @@ from thermo.app._configuration import (
     stages,
 )
 from thermo.app._scene import scene_of
+from thermo.discover import load_effects
 from thermo.observe import read_scene
 from thermo.report import (
     Progress,
@@ -96,9 +97,12 @@ def predict(settings: Configuration) -> None:
     out = Path(settings["out"])
     scene = read_scene(Path(settings["data"]))
     require_writable(out)
+    estimate = Path(settings["estimate"])
+    finished = (estimate / "estimate.npz").exists()
     predictions = inverse.predict(
         scene,
-        Path(settings["estimate"]),
+        estimate,
+        additions=load_effects(estimate, scene) if finished else None,
         runs=names(settings["runs"], "runs"),
         meshing=build_meshing(settings["mesh"]),
         tolerance=number(settings, "tolerance", above=0.0),

@@ -6,14 +6,18 @@ from thermo.discover._candidate import (
     Candidate,
     Card,
     Place,
+    Transition,
 )
 from thermo.discover._discover import discover
-from thermo.discover._library import library
+from thermo.discover._effects_file import effects_as_arrays, load_effects
+from thermo.discover._library import Setting, library
+from thermo.discover._registered import registered
 from thermo.discover._verdict import Candidacy, Effect, HeldOut, Round, Verdict
 
 __all__ = [
     "AbstractHeatCandidate",
     "AbstractReadingCandidate",
+    "Transition",
     "Candidacy",
     "Candidate",
     "Card",
@@ -21,7 +25,11 @@ __all__ = [
     "HeldOut",
     "Place",
     "Round",
+    "Setting",
     "Verdict",
     "discover",
+    "effects_as_arrays",
     "library",
+    "load_effects",
+    "registered",
 ]

@@ -63,15 +63,27 @@ class Place(eqx.Module):
         return [(at - c) / s for c, s in zip(self.centre, self.size, strict=True)]
 
 
+@final
+class Transition(eqx.Module):
+    """Where on the scale of temperature effects are: bells about a middle, one each.
+
+    - `centre`: (places,) [K]; `size`: deviation of the bell, (places,) [K].
+    """
+
+    centre: Float[Array, " places"]
+    size: Float[Array, " places"]
+
+
 class AbstractHeatCandidate(AbstractHeatAddition):
     """A candidate that changes the heat equation.
 
     - `strength`: (parts,) in the card's unit, zero where the effect is absent.
+    - `place`: of each part, in the body [m] or on the scale of temperature [K]; or None.
     """
 
     card: eqx.AbstractClassVar[Card]
     strength: eqx.AbstractVar[Float[Array, " parts"]]
-    place: eqx.AbstractVar[Place | None]
+    place: eqx.AbstractVar[Place | Transition | None]
 
 
 class AbstractReadingCandidate(AbstractReadingAddition):
@@ -79,7 +91,7 @@ class AbstractReadingCandidate(AbstractReadingAddition):
 
     card: eqx.AbstractClassVar[Card]
     strength: eqx.AbstractVar[Float[Array, " parts"]]
-    place: eqx.AbstractVar[Place | None]
+    place: eqx.AbstractVar[Place | Transition | None]
 
 
 Candidate = AbstractHeatCandidate | AbstractReadingCandidate

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -17,13 +18,15 @@ from thermo.discover._candidate import Candidate
 from thermo.discover._descent import Ended
 from thermo.discover._extended import readings
 from thermo.discover._held_out import held_out
-from thermo.discover._library import library
-from thermo.discover._path import by_shapes, search
+from thermo.discover._library import Setting, setting_of
+from thermo.discover._met import estimate_of
+from thermo.discover._path import SearchPath, by_shapes, search
+from thermo.discover._registered import registered
 from thermo.discover._rounds import candidacies
 from thermo.discover._scores import ScoreTable
-from thermo.discover._search import Say, Standing, fitted
+from thermo.discover._search import Say, Standing, at_work, fitted
 from thermo.discover._softening import blocks, error_columns, stamp_columns
-from thermo.discover._verdict import Verdict
+from thermo.discover._verdict import HeldOut, Verdict
 from thermo.errors import InputError
 from thermo.inverse import (
     Meshing,
@@ -35,7 +38,6 @@ from thermo.inverse import (
     with_defects,
     with_fields,
 )
-from thermo.mesh import Mesh
 from thermo.observe import Scene, estimate_noise
 
 FRAMES = 300
@@ -57,7 +59,7 @@ def discover(
     meshing: Meshing | None = None,
     initial: dict[str, float] | None = None,
     model_error: float = 0.005,
-    candidates: Callable[[Mesh, float], tuple[Candidate, ...]] = library,
+    candidates: Callable[[Setting], tuple[Candidate, ...]] = registered,
     say: Say = lambda words: None,
 ) -> Verdict:
     """Which effect is missing in what a scene states, if any is.
@@ -70,8 +72,8 @@ def discover(
     Arguments as for `invert`, `initial` by quantity [SI] and `model_error` [K] among them. Held-out
     runs are predicted only. And:
 
-    - `candidates`: from the body's mesh [m] and the time of the longest run [s] to all effects that
-      may be missing, each of another name and of strength zero.
+    - `candidates`: from what is known of body and runs [SI] to all effects that may be missing,
+      each of another name and of strength zero; the library and what is registered by default.
     - `say`: is told what is being done.
 
     Raises `InputError` as `invert` does, and where two candidates have one name.
@@ -79,18 +81,27 @@ def discover(
     Source: Rao, Proc. Camb. Phil. Soc. 44 (1948) 50, the scores; McCullagh and Nelder, Generalized
     Linear Models (1989), section 9.2, how rivals are compared.
     """
+    started = time.monotonic()
     task = unfitted(
         data, runs, unknown, Uniform(), prior or Prior(), stepping or Stepping(most_frames=FRAMES),
         meshing or Meshing(max_nodes=NODES), initial, model_error=model_error,
     )  # fmt: skip
     say("meshing")
     bench = set_up(task)
-    every = candidates(bench.ready.mesh, max(float(run.recording.time[-1]) for run in task.runs))
+    every = candidates(setting_of(task.scene, task.runs, bench.ready.mesh))
     _check_names(every)
     begun, left = _begin(bench, every, say)
     path = search(begun, tuple(one for one in every if one.card.law), say)
     say("predicting held-out runs")
     proof = held_out(bench, begun.point, path.standing.point)
+    return _answer(begun, path, proof, left, time.monotonic() - started)
+
+
+def _answer(
+    begun: Standing, path: SearchPath, proof: Mapping[str, HeldOut], left: Apart, seconds: float
+) -> Verdict:
+    """A search of so many seconds [s] as a verdict; `left`: see `_sizes` [K]."""
+    last = path.standing if path.word in ("named", "inseparable") else begun
     named = {one.effect.card.name for one in path.rounds}
     return Verdict(
         verdict=path.word,
@@ -100,11 +111,13 @@ def discover(
         held_out=proof,
         missed={name: one for name, one in _missed(path.table).items() if name not in named},
         cells=_sizes(begun, left),
-        noise={run.name: estimate_noise(run.recording).white for run in task.runs},
+        noise={run.name: estimate_noise(run.recording).white for run in begun.bench.task.runs},
         parameters=_parameters(begun, path.standing),
         alias=aliases(path.table),
         omnibus=(by_shapes(begun), by_shapes(path.standing)),
-        point=path.standing.point,
+        stated=estimate_of(begun, seconds),
+        extended=estimate_of(last, seconds),
+        additions=at_work(last),
         remarks=path.remarks + ([] if proof else [_UNPROVED]),
     )
 

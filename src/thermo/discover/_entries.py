@@ -7,15 +7,19 @@ from typing import final
 
 import jax
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Array, Float, Int
 
-from thermo.discover._candidate import Candidate, Card
+from thermo.discover._candidate import Candidate, Card, Place, Transition
 from thermo.discover._descent import Free
 from thermo.discover._extended import Extended, numbers
 
 # A place's size stays within these factors of the first [1]; a field's logarithm moves by this [1].
 _SMALLER, _LARGER, _FIELD = 0.25, 4.0, 0.3
+# A transition stays within so many of its first widths of where it is looked for at first [1].
+_WIDTHS = 3.0
 
+
+Few = Float[np.ndarray, " few"]
 
 Active = tuple[str, int]
 """A part of a candidate that is at work: the candidate's name, the part's number [1]."""
@@ -69,8 +73,8 @@ def free_entries(
 ) -> Free:
     """The strengths, places and sizes of a part of a candidate, each in its unit.
 
-    Arguments: `before`: the candidate with its places of the first size [m]; `corners`: of the
-    body's box [m].
+    Arguments: `before`: the candidate with its places of the first size [m, or K]; `corners`: of
+    the body's box [m].
     """
     card, at = entry.card, numbers(point).at.candidates[entry.kind]
     count = len(entry.strengths)
@@ -84,15 +88,33 @@ def free_entries(
         )
     ]
     if before.place is not None and at.place is not None:
-        sizes = np.atleast_1d(np.asarray(before.place.size[entry.part]))
-        if at.place.centre is not None:
-            centre = np.asarray(at.place.centre[entry.part]).astype(int)
-            way = np.broadcast_to(sizes, 3)
-            parts.append(Free(centre, np.array(way), corners[0], corners[1], np.zeros(3, bool)))
-        number = np.atleast_1d(np.asarray(at.place.size[entry.part])).astype(int)
-        plain = np.zeros(len(number), bool)
-        parts.append(Free(number, 0.5 * sizes, _SMALLER * sizes, _LARGER * sizes, plain))
+        parts += _of_place(at.place, before.place, entry.part, corners)
     return joined(*parts)
+
+
+def _of_place(
+    numbers: Place | Transition,
+    before: Place | Transition,
+    part: int,
+    corners: Float[np.ndarray, "2 3"],
+) -> list[Free]:
+    """Where a part is [m, or K] and how wide, free; `numbers`: of the entries of all places [1]."""
+
+    def of(leaf: Array) -> Few:
+        return np.atleast_1d(np.asarray(leaf)[part])
+
+    def free(leaf: Array, scale: Few, low: Few, high: Few) -> Free:
+        return Free(of(leaf).astype(int), scale, low, high, np.zeros(len(scale), bool))
+
+    sizes = of(before.size)
+    found = [free(numbers.size, 0.5 * sizes, _SMALLER * sizes, _LARGER * sizes)]
+    where = numbers.centre
+    if where is None:
+        return found
+    if isinstance(before, Transition):
+        middle, far = of(before.centre), _WIDTHS * sizes
+        return [free(where, sizes, middle - far, middle + far), *found]
+    return [free(where, np.array(np.broadcast_to(sizes, 3)), *corners), *found]
 
 
 def joined(*parts: Free) -> Free:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Final
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Final, final
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from thermo.discover._candidate import Candidate, Place
+from thermo.discover._candidate import Candidate, Place, Transition
 from thermo.discover.candidates import (
     AmbientDrift,
     AnisotropicConductivity,
@@ -20,6 +22,7 @@ from thermo.discover.candidates import (
     HeaterPower,
     HiddenSource,
     InDepthAbsorption,
+    LatentHeat,
     LocalConvection,
     MissingRadiation,
     SensorLag,
@@ -29,12 +32,34 @@ from thermo.discover.candidates import (
     Void,
 )
 from thermo.mesh import Mesh
+from thermo.observe import Run, Scene
 
-# Places on the surface and inside; knots of a drift [1]. Sizes over the longest side [1].
+# Places on the surface and inside, knots of a drift, temperatures of a transition [1]. Sizes over
+# the longest side [1], of a transition over the distance of two of them.
 _PLACES: Final = 32
 _KNOTS: Final = 4
+_TRANSITIONS: Final = 6
+_WIDTH: Final = 0.5
 _SIZE: Final = 0.12
 _DEPTHS: Final = (0.02, 0.05, 0.1)
+# By lags shorter than this share of the longest run slopes are taken as by one of it [1].
+_PULSE: Final = 0.005
+
+
+@final
+@dataclass(frozen=True)
+class Setting:
+    """What is known of a scene before anything is fitted.
+
+    - `mesh`: of the body [m]; `density`: as stated [kg/m3].
+    - `duration`: of the longest run [s]; `coldest`, `hottest`: of all readings [K].
+    """
+
+    mesh: Mesh
+    density: float
+    duration: float
+    coldest: float
+    hottest: float
 
 
 def _spread(points: Float[np.ndarray, "points 3"], count: int) -> Float[np.ndarray, "picked 3"]:
@@ -47,11 +72,17 @@ def _spread(points: Float[np.ndarray, "points 3"], count: int) -> Float[np.ndarr
     return points[picked]
 
 
-def library(mesh: Mesh, duration: float) -> tuple[Candidate, ...]:
-    """All candidates of this package at strength zero.
+def setting_of(scene: Scene, runs: Iterable[Run], mesh: Mesh) -> Setting:
+    """What a scene and runs of it tell, on a mesh of its body [m]."""
+    recordings = [run.recording for run in runs]
+    read = np.concatenate([one.temperature[one.valid] for one in recordings])
+    duration = max(float(one.time[-1]) for one in recordings)
+    return Setting(mesh, scene.material.density, duration, float(read.min()), float(read.max()))
 
-    Arguments: `mesh`: of the body [m]; `duration`: of the longest run [s].
-    """
+
+def library(setting: Setting) -> tuple[Candidate, ...]:
+    """All candidates of this package at strength zero, their places [m] spread over the body."""
+    mesh, duration = setting.mesh, setting.duration
     extent = np.ptp(mesh.nodes, axis=0)
     longest, least = float(extent.max()), float(extent.min())
     skin = _spread(mesh.nodes[mesh.faces[:, :3]].mean(1), _PLACES)
@@ -76,7 +107,7 @@ def library(mesh: Mesh, duration: float) -> tuple[Candidate, ...]:
         Evaporation(zero()),
         HiddenSource(zero(len(inside)), within),
         HeaterPower(zero()),
-        HeaterLag(zero()),
+        HeaterLag(zero(), pulse=jnp.asarray(_PULSE * duration)),
         InDepthAbsorption(zero(len(_DEPTHS)), Place(None, least * jnp.asarray(_DEPTHS))),
         AnisotropicConductivity(zero(3)),
         Void(zero(len(inside)), flat),
@@ -85,4 +116,12 @@ def library(mesh: Mesh, duration: float) -> tuple[Candidate, ...]:
         CameraEmissivity(zero()),
         TemperatureDependentConductivity(zero()),
         TemperatureDependentHeatCapacity(zero()),
+        LatentHeat(zero(_TRANSITIONS), _transitions(setting), jnp.asarray(setting.density)),
     )
+
+
+def _transitions(setting: Setting) -> Transition:
+    """Transitions spread over what was read [K]."""
+    apart = (setting.hottest - setting.coldest) / _TRANSITIONS
+    middle = setting.coldest + apart * (jnp.arange(_TRANSITIONS) + 0.5)
+    return Transition(middle, jnp.full(_TRANSITIONS, _WIDTH * apart))

@@ -43,7 +43,7 @@ class SearchPath:
 
 def search(begun: Standing, laws: tuple[Candidate, ...], say: Say) -> SearchPath:
     """Put effects to work one after the other until nothing is missing, or nothing explains it."""
-    standing, rounds, remarks = begun, [], []
+    standing, rounds, remarks, quiet = begun, [], [], False
     tables: list[ScoreTable] = []
     for number in range(_ROUNDS):
         say(f"scoring all candidates, round {number + 1}")
@@ -60,6 +60,10 @@ def search(begun: Standing, laws: tuple[Candidate, ...], say: Say) -> SearchPath
             break
         made = refits(standing, table, laws, say)
         one = make_round(standing, made, table) if made else None
+        if one is not None and _is_nothing(one) and by_shapes(standing) > share * _BY_SHAPES:
+            remarks.append(_nothing(one))
+            quiet = not rounds
+            break
         if rounds and (one is None or one.closed < _WORTH):
             remarks.append(_rest(one))
             break
@@ -69,8 +73,23 @@ def search(begun: Standing, laws: tuple[Candidate, ...], say: Say) -> SearchPath
         standing = with_all(made[0], standing)
         if one.closed < _WORTH:
             break
-    word = _word(begun, standing, rounds, tables[0])
+    word = "no_gap" if quiet else _word(begun, standing, rounds, tables[0])
     return SearchPath(word, with_joint_effects(rounds, standing), standing, tables[0], remarks)
+
+
+def _is_nothing(one: Round) -> bool:
+    """Whether all that was found is an effect that may as well be absent."""
+    low, high = one.effect.interval95
+    return low <= 0 <= high
+
+
+def _nothing(one: Round) -> str:
+    low, high = one.effect.interval95
+    return (
+        f"The score of {one.effect.card.name} passes the threshold, but fitted it is "
+        f"{one.effect.strength:.3g} [{low:.3g}, {high:.3g}] {one.effect.card.unit}, which may be "
+        "nothing, and nothing else is left."
+    )
 
 
 def _rest(one: Round | None) -> str:

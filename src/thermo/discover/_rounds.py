@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import chi2
 
-from thermo.discover._bench import steps_for
+from thermo.discover._candidate import Transition
 from thermo.discover._entries import Active, Entry, entry_of
-from thermo.discover._extended import readings
+from thermo.discover._met import met_runs
 from thermo.discover._scores import ScoreTable, best_of_kinds
 from thermo.discover._search import Refit, Standing, free_of
 from thermo.discover._verdict import Candidacy, Effect, Round
@@ -87,14 +87,7 @@ def candidacies(table: ScoreTable, left: dict[str, float], whole: float) -> list
 
 def rms(standing: Standing) -> dict[str, float]:
     """Root mean square of simulation less readings, by run [K]."""
-    coarse = steps_for(standing.bench.coarse, standing.point)
-    found, order = {}, iter(coarse.sequence)
-    for case, group in zip(coarse.cases, readings(coarse, standing.point), strict=True):
-        apart = np.asarray(group) - np.asarray(case.data)
-        for one, used in zip(apart, np.asarray(case.used), strict=True):
-            run = standing.bench.task.runs[next(order)]
-            found[run.name] = float(np.sqrt(np.mean(one[used > 0] ** 2)))
-    return found
+    return {name: one.rmse for name, one in met_runs(standing).items()}
 
 
 def effect_of(standing: Standing, active: Active, spread: float) -> Effect:
@@ -109,8 +102,10 @@ def effect_of(standing: Standing, active: Active, spread: float) -> Effect:
     candidate = point.candidates[entry.kind]
     value = float(candidate.strength[len(entry.strengths) - 1 if entry.card.joint else entry.part])
     centre, size = _place(standing, entry)
+    band = candidate.place if isinstance(candidate.place, Transition) else None
+    at = None if band is None else (float(band.centre[entry.part]), float(band.size[entry.part]))
     ends = np.clip([value - NORMAL * sd, value + NORMAL * sd], entry.card.low, entry.card.high)
-    return Effect(entry.card, value, sd, (float(ends[0]), float(ends[1])), centre, size)
+    return Effect(entry.card, value, sd, (float(ends[0]), float(ends[1])), centre, size, at)
 
 
 def with_joint_effects(rounds: list[Round], last: Standing) -> list[Round]:
@@ -126,6 +121,8 @@ def with_joint_effects(rounds: list[Round], last: Standing) -> list[Round]:
 def _place(standing: Standing, entry: Entry) -> tuple[np.ndarray | None, float | None]:
     """Where an effect is [m], and how far it reaches [m]."""
     place = standing.point.candidates[entry.kind].place
+    if isinstance(place, Transition):
+        return None, None
     if place is not None and place.centre is not None:
         return np.asarray(place.centre[entry.part]), float(np.max(place.size[entry.part]))
     if entry.card.name not in ("support_contact", "backing_conduction"):

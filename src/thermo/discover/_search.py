@@ -103,6 +103,13 @@ def fitted(standing: Standing, *, times: int, rival: float = np.inf) -> Standing
     return replace(standing, bench=small.bench, point=point, ended=small.ended)
 
 
+def at_work(standing: Standing) -> tuple[Candidate, ...]:
+    """The effects at work, of those with places no more parts than that [SI]."""
+    small, _ = _with_few_places(standing)
+    names = {name for name, _ in standing.active}
+    return tuple(one for one in small.point.candidates if one.card.name in names)
+
+
 def _with_few_places(standing: Standing) -> tuple[Standing, dict[str, Parts]]:
     """The standing with few parts of effects with a place, and which they are."""
     kept: dict[str, Parts] = {}

@@ -9,8 +9,8 @@ from typing import Literal, final
 import numpy as np
 from jaxtyping import Float
 
-from thermo.discover._candidate import Card
-from thermo.discover._extended import Extended
+from thermo.discover._candidate import Candidate, Card
+from thermo.inverse import Estimate
 
 
 @final
@@ -20,6 +20,7 @@ class Effect:
 
     - `card`; `strength`, `sd`, `interval95`: in the card's unit.
     - `centre`: (3,) [m], `size`: [m]; None where the effect has no place.
+    - `transition`: middle and width on the scale of temperature [K], or None.
     """
 
     card: Card
@@ -28,6 +29,7 @@ class Effect:
     interval95: tuple[float, float]
     centre: Float[np.ndarray, "3"] | None
     size: float | None
+    transition: tuple[float, float] | None = None
 
 
 @final
@@ -96,6 +98,8 @@ class Verdict:
     - `noise`: of a reading by run [K]; `parameters`: medians of the fields before and after [SI].
     - `alias`: how alike the best parts of two kinds are, beside the unknowns [1].
     - `omnibus`: probability of as large a misfit in smooth shapes without and with effects [1].
+    - `stated`, `extended`: fields [SI] and runs [K] of the fits without and with what was found;
+      `additions`: what was found, as modules. Nothing, where none explains the gap.
     """
 
     verdict: Word
@@ -109,7 +113,9 @@ class Verdict:
     parameters: Mapping[str, tuple[float, float]]
     alias: Mapping[str, Mapping[str, float]]
     omnibus: tuple[float, float]
-    point: Extended
+    stated: Estimate
+    extended: Estimate
+    additions: tuple[Candidate, ...]
     remarks: list[str] = field(default_factory=list)
 
     def effects(self) -> list[str]:

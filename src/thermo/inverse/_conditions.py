@@ -113,7 +113,8 @@ def _schedule(heater: Heater) -> Schedule:
     logged = None
     if course is not None:
         logged = History(jnp.asarray(course.time), jnp.asarray(course.share))
-    return Schedule(jnp.asarray(float(heater.until)), jnp.asarray(float(heater.rise)), logged)
+    until, rise = jnp.asarray(float(heater.until)), jnp.asarray(float(heater.rise))
+    return Schedule(until, rise, logged, jnp.asarray(0.0))
 
 
 def conditions(run: Run, space: Discretisation) -> Conditions:
@@ -128,7 +129,7 @@ def conditions(run: Run, space: Discretisation) -> Conditions:
     """
     heater = run.heater
     profile, lit = np.zeros(np.shape(space.face_weight)), np.zeros(len(space.mesh.cells), np.int32)
-    power, schedule = 0.0, Schedule(jnp.asarray(0.0), jnp.asarray(0.0))
+    power, schedule = 0.0, Schedule(jnp.zeros(()), jnp.zeros(()), None, jnp.zeros(()))
     if heater is not None:
         try:
             profile = spot_profile(

@@ -21,6 +21,9 @@ from thermo.mesh import Mesh, face_areas, mesh_from_cells
 
 FORMAT = "thermofield-estimate/1"
 PARTS = ("points", "heights", "levels")
+FAULTS = (OSError, EOFError, KeyError, ValueError, BadZipFile, zlib.error)
+EFFECT = "effect/"
+"""Begins the names of arrays of effects."""
 
 
 @final
@@ -140,8 +143,13 @@ def surface_values(
     return mesh.nodes[nodes], total / np.bincount(faces, areas)
 
 
-def save_estimate(path: Path, estimate: Estimate) -> None:
-    """Write mesh [m] and fields [SI] so that `load_estimate` can predict from them."""
+def save_estimate(
+    path: Path, estimate: Estimate, effects: Mapping[str, np.ndarray] | None = None
+) -> None:
+    """Write mesh [m] and fields [SI] so that `load_estimate` can predict from them.
+
+    `effects`: arrays by name of what was added to the stated model, for `saved_effects`.
+    """
     stated = estimate.stated
     arrays = {
         "format": np.asarray(FORMAT),
@@ -158,6 +166,7 @@ def save_estimate(path: Path, estimate: Estimate) -> None:
         if field.boundary is not None:
             for part in PARTS:
                 arrays[f"{part}_{name}"] = getattr(field.boundary, part)
+    arrays |= {EFFECT + name: array for name, array in (effects or {}).items()}
     # Not from `tempfile`, whose files only their owner may read.
     temporary = path.with_name(f".{path.name}.{os.getpid()}.{secrets.token_hex(4)}.npz")
     try:
@@ -167,16 +176,44 @@ def save_estimate(path: Path, estimate: Estimate) -> None:
         temporary.unlink(missing_ok=True)
 
 
+def _read(path: Path) -> dict[str, np.ndarray]:
+    with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
+        arrays = dict(stored)
+    if str(arrays["format"]) != FORMAT:
+        raise KeyError(str(arrays["format"]))
+    return arrays
+
+
+def _damaged(path: Path, fault: Exception) -> InputError:
+    return InputError(
+        "this estimate cannot be read",
+        where=str(path),
+        value=f"{type(fault).__name__}: {fault}",
+        limit=f"a file of format {FORMAT} that `thermo invert` or `thermo discover` wrote",
+        remedy="give the `out` folder of a finished `thermo invert` as `estimate`",
+    )
+
+
+def saved_effects(path: Path) -> dict[str, np.ndarray]:
+    """Arrays [SI] of what was added to the stated model, by name; none where nothing was.
+
+    Raises `InputError` where the file is missing, damaged or of another format.
+    """
+    try:
+        arrays = _read(path)
+    except FAULTS as fault:
+        raise _damaged(path, fault) from fault
+    begin = len(EFFECT)
+    return {name[begin:]: array for name, array in arrays.items() if name.startswith(EFFECT)}
+
+
 def load_estimate(path: Path) -> tuple[Mesh, int, Stated, dict[str, RecoveredField]]:
     """Read the mesh [m], its order [1], stated values and fields [SI] of an estimate.
 
     Raises `InputError` where the file is missing, damaged or of another format.
     """
     try:
-        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
-            arrays = dict(stored)
-        if str(arrays["format"]) != FORMAT:
-            raise KeyError(str(arrays["format"]))
+        arrays = _read(path)
         mesh = mesh_from_cells(arrays["nodes"], arrays["cells"], where=str(path))
         if not np.array_equal(mesh.faces, arrays["faces"]):
             raise ValueError("the faces are in another order")
@@ -195,11 +232,5 @@ def load_estimate(path: Path) -> tuple[Mesh, int, Stated, dict[str, RecoveredFie
         }
         stated = Stated(*(float(value) for value in arrays["stated"]))
         return mesh, int(arrays["order"]), stated, fields
-    except (OSError, EOFError, KeyError, ValueError, BadZipFile, zlib.error) as fault:
-        raise InputError(
-            "this estimate cannot be read",
-            where=str(path),
-            value=f"{type(fault).__name__}: {fault}",
-            limit=f"a file of format {FORMAT} that `thermo invert` wrote",
-            remedy="give the `out` folder of a finished `thermo invert` as `estimate`",
-        ) from fault
+    except FAULTS as fault:
+        raise _damaged(path, fault) from fault

@@ -6,8 +6,9 @@ from pathlib import Path
 
 from thermo._compiled import make_room
 from thermo.errors import InputError
+from thermo.inverse._addition import Addition
 from thermo.inverse._body import Meshing, check_values, make_mesh, state, surface_of
-from thermo.inverse._estimate import Estimate, RecoveredField, load_estimate
+from thermo.inverse._estimate import Estimate, RecoveredField, load_estimate, saved_effects
 from thermo.inverse._forward import Prediction, forward
 from thermo.inverse._properties import (
     Stated,
@@ -37,6 +38,28 @@ def _load(folder: Path) -> tuple[Mesh, Stated, dict[str, RecoveredField]]:
     return mesh, stated, fields
 
 
+def _parts(
+    estimate: Estimate | str | Path, additions: tuple[Addition, ...] | None
+) -> tuple[str, Mesh, Stated, dict[str, RecoveredField]]:
+    if isinstance(estimate, Estimate):
+        return "estimate", estimate.mesh, estimate.stated, estimate.fields
+    parts = _load(Path(estimate))
+    _check_additions(Path(estimate) / "estimate.npz", additions)
+    return str(estimate), *parts
+
+
+def _check_additions(path: Path, additions: tuple[Addition, ...] | None) -> None:
+    names = sorted({name.split("/")[1] for name in saved_effects(path)})
+    if names and additions is None:
+        raise InputError(
+            "this fit holds effects beyond what the scene states",
+            where=str(path),
+            value=", ".join(names),
+            limit="a prediction with them, or knowingly without",
+            remedy="give additions=thermo.discover.load_effects(folder, data), or additions=()",
+        )
+
+
 def predict(
     data: Scene | str | Path,
     estimate: Estimate | str | Path,
@@ -44,6 +67,7 @@ def predict(
     runs: tuple[str, ...] | None = None,
     meshing: Meshing | None = None,
     tolerance: float = 5e-3,
+    additions: tuple[Addition, ...] | None = None,
 ) -> dict[str, Prediction]:
     """Predict runs with recovered fields, without fitting anything to them.
 
@@ -55,21 +79,18 @@ def predict(
     - `meshing`: of the body, by default finer than a fit's: cells and faces take the values of the
       nearest ones of the fit, and two materials are laid out anew. `tolerance`: error of a time
       step [K].
+    - `additions`: effects beside the stated ones, as `thermo.discover.load_effects` reads them.
 
     Returns a prediction for each run, with scores of the spatial field and of its median over the
-    surface [K]. Raises `InputError` for unknown runs, for an estimate that
-    cannot be read and for one of another object.
+    surface [K]. Raises `InputError` for unknown runs, for an estimate that cannot be read, for one
+    of another object, and for one to which effects were added where no `additions` are given.
 
     Source: paper, section 5 (checklist G10 to G17).
     """
     make_room()
     scene = data if isinstance(data, Scene) else read_scene(Path(data))
     picked = select_runs(scene, runs, held_out=True)
-    if isinstance(estimate, Estimate):
-        where, parts = "estimate", (estimate.mesh, estimate.stated, estimate.fields)
-    else:
-        where, parts = str(estimate), _load(Path(estimate))
-    old, stated, fields = parts
+    where, old, stated, fields = _parts(estimate, additions)
     meshing = Meshing(max_nodes=PREDICTION_NODES) if meshing is None else meshing
     surface = surface_of(scene)
     check_same_object(old, surface, where)
@@ -85,8 +106,14 @@ def predict(
     order = meshing.order
     return {
         run.name: forward(
-            mesh, order, run, bodies, tolerance, f"{scene.folder}: runs.{run.name}.recording"
-        )
+            mesh,
+            order,
+            run,
+            bodies,
+            tolerance,
+            f"{scene.folder}: runs.{run.name}.recording",
+            additions or (),
+        )  # fmt: skip
         for run in picked
     }
 

@@ -135,5 +135,7 @@ def diffusivity_quantile(
 
     Arguments as for `properties`.
     """
-    body = properties(stated, values, cells, 0)
+    # What varies over the faces has no part in it.
+    inside = {name: (held, np.zeros(0)) for name, (held, _) in values.items()}
+    body = properties(stated, inside, cells, 0)
     return float(jnp.quantile(body.conductivity / body.capacity, quantile))

@@ -9,9 +9,9 @@ from jaxtyping import Array, Float
 
 from thermo.physics._discretisation import Discretisation
 from thermo.physics.effects import (
+    AbstractLaw,
     AbstractSurfaceEffect,
     AbstractVolumeEffect,
-    PolynomialLaw,
     PrescribedTemperature,
 )
 
@@ -37,5 +37,5 @@ class Model(eqx.Module):
     surface: tuple[AbstractSurfaceEffect, ...] = ()
     volume: tuple[AbstractVolumeEffect, ...] = ()
     prescribed: PrescribedTemperature | None = None
-    conductivity_law: PolynomialLaw | None = None
-    capacity_law: PolynomialLaw | None = None
+    conductivity_law: AbstractLaw | None = None
+    capacity_law: AbstractLaw | None = None

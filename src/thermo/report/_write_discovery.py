@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from thermo.discover import Candidacy, Effect, Round, Verdict
+from thermo.discover import Candidacy, Effect, Round, Verdict, effects_as_arrays
+from thermo.inverse import save_estimate
 
 from ._discovery_page import discovery_page
 from ._json import write_json
@@ -65,6 +66,9 @@ def _round(one: Round) -> dict[str, Any]:
         "location": None
         if effect.centre is None
         else {"centre": effect.centre.tolist(), "size": effect.size},
+        "transition": None
+        if effect.transition is None
+        else dict(zip(("temperature", "width"), effect.transition, strict=True)),
         "p_value": one.p_value,
         "gap_closed": one.closed,
         "rms_before": dict(one.rms_before),
@@ -112,6 +116,8 @@ def _named(effect: Effect) -> str:
     if effect.centre is not None:
         at = ", ".join(f"{1e3 * one:.1f}" for one in effect.centre)
         place = f", at ({at}) mm"
+    if effect.transition is not None:
+        place = ", at {:.4g} K, over {:.2g} K".format(*effect.transition)
     return (
         f"Missing effect: {_spoken(effect.card.name)}, {effect.strength:.4g} {effect.card.unit} "
         f"[{low:.4g}, {high:.4g}]{place}."
@@ -149,8 +155,12 @@ def discovery_table(record: Mapping[str, Any]) -> str:
     return table(rows, ["candidate", "score", "strength alone", "unit", "visible"])
 
 
-def write_discovery(out: Path, record: Mapping[str, Any]) -> None:
-    """Leaves `verdict.json` in a folder, and `verdict.html`, which is rendered from it."""
+def write_discovery(out: Path, found: Verdict, record: Mapping[str, Any]) -> None:
+    """Leaves `verdict.json` in a folder, `verdict.html`, which is rendered from it, and the model.
+
+    That is `estimate.npz`, the fields [SI] with the effects that were found, for `thermo predict`.
+    """
+    save_estimate(out / "estimate.npz", found.extended, effects_as_arrays(found.additions))
     path = out / "verdict.json"
     write_json(path, record)
     title = f"{record['object']}: what is missing"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -27,21 +28,33 @@ from lit_box import (
     solved,
 )
 
-from thermo.discover import AbstractHeatCandidate, Place
+from thermo.discover import AbstractHeatCandidate, Place, Transition
 from thermo.discover.candidates import (
     AnisotropicConductivity,
+    LatentHeat,
     TemperatureDependentConductivity,
     TemperatureDependentHeatCapacity,
     Void,
 )
 from thermo.discover.candidates._material import REFERENCE
 from thermo.inverse import Conditions
+from thermo.physics import stored_heat
+from thermo.physics._balance import assemble, equivalent
 from thermo.physics._quadrature import tetrahedron_rule
-from thermo.physics.effects import PolynomialLaw
+from thermo.physics.effects import PolynomialLaw, TransitionLaw
 
 MIDDLE = (0.013, 0.006, 0.003)  # m, below the lit spot
 LIT, BELOW = nearest((0.013, 0.006, 0.008)), nearest((0.013, 0.006, 0.0))
+DENSITY = 2700.0  # kg/m3
 BEGUN = (FRAMES > 4) & (FRAMES <= OFF)
+
+
+def latent(*values: float) -> LatentHeat:
+    count = len(values)
+    middle, width = (305.0, 320.0)[:count], (3.0, 2.0)[:count]
+    place = Transition(jnp.asarray(middle), jnp.asarray(width))
+    return LatentHeat(jnp.asarray(values), place, jnp.asarray(DENSITY))
+
 
 MADE: dict[str, Callable[[float], AbstractHeatCandidate]] = {
     "temperature_dependent_conductivity": lambda value: TemperatureDependentConductivity(
@@ -53,6 +66,7 @@ MADE: dict[str, Callable[[float], AbstractHeatCandidate]] = {
     "anisotropic_conductivity": lambda value: AnisotropicConductivity(
         jnp.asarray([0.0, 0.0, value])
     ),
+    "latent_heat": lambda value: latent(value),
     "void": lambda value: Void(one(value), at(MIDDLE, 0.003)),
 }
 
@@ -73,6 +87,7 @@ def test_strength_zero_changes_nothing(name: str, under: Conditions) -> None:
         ("temperature_dependent_conductivity", -5e-3, 1),
         ("temperature_dependent_heat_capacity", 5e-3, -1),
         ("temperature_dependent_heat_capacity", -5e-3, 1),
+        ("latent_heat", 1e4, -1),
         ("anisotropic_conductivity", 0.5, -1),
         ("anisotropic_conductivity", -0.5, 1),
         ("void", 0.9, 1),
@@ -106,6 +121,52 @@ def test_laws_are_straight_lines_through_one_at_the_reference(slope: float, leve
     for law in (conducts.conductivity_law, stores.capacity_law):
         assert isinstance(law, PolynomialLaw) and law.reference == REFERENCE == 293.15
         assert float(law.factor(jnp.asarray(level))) == pytest.approx(wanted, abs=1e-12)
+
+
+@given(st.floats(0.0, 1e5), st.floats(0.0, 1e5))
+def test_transitions_take_up_their_heats(first: float, second: float) -> None:
+    under, body = hot(), bare(hot())
+    law = latent(first, second).to_model(body, under).capacity_law
+    assert isinstance(law, TransitionLaw)
+    capacity = float(body.capacity[0])
+    ends = law.integral(jnp.asarray([250.0, 312.5, 400.0]))
+    # Between the two the first is over, to 2.5 of its widths.
+    wanted = [
+        62.5 + 0.9938 * first * DENSITY / capacity,
+        150 + (first + second) * DENSITY / capacity,
+    ]
+    np.testing.assert_allclose(ends[1:] - ends[0], wanted, rtol=1e-3)
+    at = jnp.linspace(290.0, 330.0, 7)
+    slope = jax.vmap(jax.grad(law.integral))(at)
+    np.testing.assert_allclose(slope, law.factor(at), rtol=1e-9)
+
+
+def test_a_transition_stands_beside_a_law() -> None:
+    under = hot()
+    sloped = MADE["temperature_dependent_heat_capacity"](4e-3).to_model(bare(under), under)
+    law = latent(1e4).to_model(sloped, under).capacity_law
+    assert law is not None and sloped.capacity_law is not None
+    far = jnp.asarray([260.0, 400.0])
+    np.testing.assert_allclose(law.factor(far), sloped.capacity_law.factor(far), rtol=1e-12)
+    rises = [np.diff(np.asarray(one.integral(far)))[0] for one in (law, sloped.capacity_law)]
+    capacity = float(bare(under).capacity[0])
+    assert rises[0] - rises[1] == pytest.approx(1e4 * DENSITY / capacity, rel=1e-9)
+
+
+def test_what_a_lamp_brings_is_stored_in_the_transition_as_well() -> None:
+    under = lit()
+    lossless = bare(under, replace(DARK, convection=0.0))
+    # Wide, since the steps here warm the lit spot by several kelvin each.
+    wide = replace(latent(2e4), place=Transition(jnp.asarray([305.0]), jnp.asarray([10.0])))
+    model = wide.to_model(lossless, under)
+    found, plain = solved(model, under), solved(lossless, under)
+    balance = assemble(model)
+    first, last = (
+        float(stored_heat(balance, equivalent(balance, jnp.asarray(one))).sum())
+        for one in (found[0], found[-1])
+    )
+    assert last - first == pytest.approx(1.2 * OFF, rel=1e-3)
+    assert found[-1].mean() < plain[-1].mean() - 1.0, "a part of it makes nothing warmer"
 
 
 @pytest.mark.parametrize("name", ["conductivity", "heat_capacity"])

@@ -9,6 +9,7 @@ from thermo.discover.candidates._heating import (
 )
 from thermo.discover.candidates._material import (
     AnisotropicConductivity,
+    LatentHeat,
     TemperatureDependentConductivity,
     TemperatureDependentHeatCapacity,
     Void,
@@ -33,6 +34,7 @@ __all__ = [
     "HeaterPower",
     "HiddenSource",
     "InDepthAbsorption",
+    "LatentHeat",
     "LocalConvection",
     "MissingRadiation",
     "SensorLag",

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import ClassVar, Final, final
 
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -83,6 +84,8 @@ class HeaterLag(AbstractHeatCandidate):
     """Lamps that warm up and cool down more slowly than stated.
 
     What they give lags behind what is stated, of first order with the strength as time constant.
+
+    - `pulse`: [s], by a lag shorter than this the slope is taken as by one of this.
     """
 
     card: ClassVar[Card] = Card(
@@ -92,6 +95,7 @@ class HeaterLag(AbstractHeatCandidate):
         split_by="the lamp's light logged",
     )  # fmt: skip
     strength: Float[Array, " parts"]
+    pulse: Float[Array, ""] = eqx.field(kw_only=True)
     place: Place | None = None
 
     def to_model(self, model: Model, under: Conditions) -> Model:
@@ -100,7 +104,7 @@ class HeaterLag(AbstractHeatCandidate):
 
         def slower(lamp: Heating) -> Heating:
             rise = lamp.schedule.rise + self.strength[0]
-            return replace(lamp, schedule=replace(lamp.schedule, rise=rise))
+            return replace(lamp, schedule=replace(lamp.schedule, rise=rise, pulse=self.pulse))
 
         return _lamps(model, slower)
 

@@ -8,10 +8,10 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from thermo.discover._candidate import AbstractHeatCandidate, Card, Place
+from thermo.discover._candidate import AbstractHeatCandidate, Card, Place, Transition
 from thermo.inverse import Conditions
 from thermo.physics import Model, volume_rule
-from thermo.physics.effects import PolynomialLaw
+from thermo.physics.effects import PolynomialLaw, TransitionLaw
 
 REFERENCE = 293.15
 """Temperature [K] at which properties that change with it are as stated."""
@@ -62,6 +62,36 @@ class TemperatureDependentHeatCapacity(AbstractHeatCandidate):
         """The model [SI] with a capacity that changes with temperature."""
         del under
         return replace(model, capacity_law=_law(self.strength[0]))
+
+
+@final
+class LatentHeat(AbstractHeatCandidate):
+    """c(T) = c + strength / width n((T - middle) / width), n the bell of area one.
+
+    - `density`: of the body [kg/m3].
+
+    Source: Voller and Swaminathan, Numer. Heat Transfer B 19 (1991) 175.
+    """
+
+    card: ClassVar[Card] = Card(
+        "latent_heat", "J/kg", 2e4, 0.0, 1e6,
+        excited_by="temperatures that pass the transition slowly",
+        hides_behind="a capacity that changes with temperature, radiation, a slow sensor",
+        split_by="a run that stays below the transition and one that stays above it",
+        law=True,
+    )  # fmt: skip
+    strength: Float[Array, " parts"]
+    place: Transition
+    density: Float[Array, ""]
+
+    def to_model(self, model: Model, under: Conditions) -> Model:
+        """The model [SI] with a phase that changes."""
+        del under
+        rise = self.strength * self.density / jnp.mean(model.capacity)
+        base = model.capacity_law
+        assert base is None or isinstance(base, PolynomialLaw), "one candidate with transitions"
+        law = TransitionLaw(rise, self.place.centre, self.place.size, base)
+        return replace(model, capacity_law=law)
 
 
 @final

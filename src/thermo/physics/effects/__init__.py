@@ -11,13 +11,14 @@ from thermo.physics.effects._heating import (
     patch_profile,
     spot_profile,
 )
-from thermo.physics.effects._law import PolynomialLaw
+from thermo.physics.effects._law import AbstractLaw, PolynomialLaw, TransitionLaw
 from thermo.physics.effects._prescribed import PrescribedTemperature
 from thermo.physics.effects._radiation import STEFAN_BOLTZMANN, LaggedRadiation, Radiation
 from thermo.physics.effects._schedule import History, Schedule, value_at
 
 __all__ = [
     "STEFAN_BOLTZMANN",
+    "AbstractLaw",
     "AbstractSurfaceEffect",
     "AbstractVolumeEffect",
     "Contact",
@@ -32,6 +33,7 @@ __all__ = [
     "Radiation",
     "Schedule",
     "NodalSource",
+    "TransitionLaw",
     "VolumetricSource",
     "gap_exchange",
     "patch_profile",

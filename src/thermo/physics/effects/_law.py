@@ -2,15 +2,30 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import final
 
 import equinox as eqx
 import jax.numpy as jnp
+from jax.scipy.special import ndtr
+from jax.scipy.stats import norm
 from jaxtyping import Array, Float
 
 
+class AbstractLaw(eqx.Module):
+    """Factor f(T) [1] on a property."""
+
+    @abstractmethod
+    def factor(self, temperature: Float[Array, "*any"]) -> Float[Array, "*any"]:
+        """f [1] at temperatures [K]."""
+
+    @abstractmethod
+    def integral(self, temperature: Float[Array, "*any"]) -> Float[Array, "*any"]:
+        """Integral of f [K], from anywhere: differences are rises that store as much heat."""
+
+
 @final
-class PolynomialLaw(eqx.Module):
+class PolynomialLaw(AbstractLaw):
     """Factor f(T) = sum_i a_i ((T - T_ref))^i on a property.
 
     - `coefficients`: a_i, (terms,) [1/K^i].
@@ -29,3 +44,34 @@ class PolynomialLaw(eqx.Module):
         powers = jnp.arange(1, len(self.coefficients) + 1)
         raised = jnp.concatenate([jnp.zeros(1), self.coefficients / powers])
         return jnp.polyval(raised[::-1], temperature - self.reference)
+
+
+@final
+class TransitionLaw(AbstractLaw):
+    """Factor f(T) = base(T) + sum_i r_i n((T - m_i) / w_i) / w_i, n the bell of area one.
+
+    Apparent heat capacity: what melts or changes its phase takes up latent heat over a range.
+
+    - `rise`: r_i, latent heat over heat capacity, (transitions,) [K].
+    - `middle`: m_i, `width`: w_i, the deviation of the bell, (transitions,) [K].
+    - `base`: the factor without transitions; None where that is one.
+
+    Source: Voller and Swaminathan, Numer. Heat Transfer B 19 (1991) 175, the enthalpy method.
+    """
+
+    rise: Float[Array, " transitions"]
+    middle: Float[Array, " transitions"]
+    width: Float[Array, " transitions"]
+    base: PolynomialLaw | None = None
+
+    def factor(self, temperature: Float[Array, "*any"]) -> Float[Array, "*any"]:
+        """f [1] at temperatures [K]."""
+        plain = jnp.ones_like(temperature) if self.base is None else self.base.factor(temperature)
+        away = (temperature[..., None] - self.middle) / self.width
+        return plain + norm.pdf(away) @ (self.rise / self.width)
+
+    def integral(self, temperature: Float[Array, "*any"]) -> Float[Array, "*any"]:
+        """Integral of f from far below all transitions [K], but for a constant."""
+        plain = temperature if self.base is None else self.base.integral(temperature)
+        away = (temperature[..., None] - self.middle) / self.width
+        return plain + ndtr(away) @ self.rise

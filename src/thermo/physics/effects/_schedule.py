@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import final
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
@@ -34,6 +35,9 @@ class Schedule(eqx.Module):
     switches at once. With a course s(t) is multiplied by it.
 
     - `until`: [s]; `rise`: [s]; `course`: share of the power that was logged [1], or None.
+    - `pulse`: by a rise shorter than this [s] the slope is taken as by one of this. The exact slope
+      by a rise of zero is an impulse at each switch, which falls between steps; a pulse as long as
+      a few steps takes as much heat away.
 
     Source: the scene format, key `heater`.
     """
@@ -41,19 +45,27 @@ class Schedule(eqx.Module):
     until: float | Float[Array, ""]
     rise: float | Float[Array, ""] = 0.0
     course: History | None = None
+    pulse: float | Float[Array, ""] = 0.0
 
     def share(self, time: Time) -> Float[Array, ""]:
         """Share of the full power [1] at a time [s]."""
         time = jnp.asarray(time)
-        rise = jnp.asarray(self.rise)
+        rise, pulse = jnp.asarray(self.rise, float), jnp.asarray(self.pulse, float)
         on = (time >= 0) & (time < self.until)
+        exact = jnp.where(rise > 0, self._slow(time, rise), jnp.where(on, 1.0, 0.0))
+        # Of no value, with the slope by a rise that is as long as the pulse.
+        longer = jax.lax.stop_gradient(jnp.maximum(pulse - rise, 0.0))
+        near = self._slow(time, rise + longer)
+        sudden = jax.lax.stop_gradient(exact - near) + near
+        share = jnp.where(rise < pulse, sudden, exact)
+        return share if self.course is None else share * self.course.at(time)
+
+    def _slow(self, time: Float[Array, ""], rise: Float[Array, ""]) -> Float[Array, ""]:
         # The divisor stays positive where the rise is zero, so that derivatives stay finite.
         divisor = jnp.where(rise > 0, rise, 1.0)
         warm = 1 - jnp.exp(-jnp.clip(time, 0.0, self.until) / divisor)
         cooling = jnp.exp(-jnp.maximum(time - self.until, 0.0) / divisor)
-        slow = jnp.where(time >= 0, warm * cooling, 0.0)
-        share = jnp.where(rise > 0, slow, jnp.where(on, 1.0, 0.0))
-        return share if self.course is None else share * self.course.at(time)
+        return jnp.where(time >= 0, warm * cooling, 0.0)
 
 
 def value_at(level: Float[Array, ""] | float | History, time: Time) -> Float[Array, ""]:

@@ -1,0 +1,58 @@
+"""A standing of the search as an estimate: its fields, and how it meets each run."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from thermo.discover._bench import steps_for
+from thermo.discover._extended import readings
+from thermo.discover._search import Standing
+from thermo.inverse import Estimate, RunFit, defect_sizes, recovered, with_fields
+from thermo.observe import estimate_noise
+
+_RESOLVED: Final = "What cells and steps make wrong was measured on a finer mesh and taken off."
+
+
+def met_runs(standing: Standing) -> dict[str, RunFit]:
+    """What is read and what was measured [K] in each run."""
+    coarse, grids = steps_for(standing.bench.coarse, standing.point), standing.bench.ready.grids
+    sizes, order = defect_sizes(coarse), iter(coarse.sequence)
+    found = {}
+    for case, group in zip(coarse.cases, readings(coarse, standing.point), strict=True):
+        every = (np.asarray(group), np.asarray(case.data), np.asarray(case.weight()))
+        for read, data, weight in zip(*every, strict=True):
+            number = next(order)
+            run = standing.bench.task.runs[number]
+            time = np.asarray(grids[run.name].frame_time)
+            here = slice(len(time)), slice(len(run.recording.points))
+            measured = np.where(weight > 0, data, np.nan)[here]
+            found[run.name] = RunFit(
+                rmse=float(np.sqrt(np.nanmean((read[here] - measured) ** 2))),
+                noise=estimate_noise(run.recording).white,
+                defect=sizes[number],
+                deviation=1 / float(weight.max()),
+                time=time,
+                points=run.recording.points,
+                measured=measured,
+                simulated=read[here],
+            )
+    return found
+
+
+def estimate_of(standing: Standing, seconds: float) -> Estimate:
+    """The fields [SI] and runs [K] of a standing, found in so many seconds [s]."""
+    bench = standing.bench
+    return Estimate(
+        mesh=bench.ready.mesh,
+        order=bench.task.meshing.order,
+        stated=bench.ready.stated,
+        fields=recovered(with_fields(bench.coarse, standing.point.fields)),
+        runs=met_runs(standing),
+        history=[],
+        success=True,
+        seconds=seconds,
+        resolution=_RESOLVED,
+        smoothness={},
+    )
