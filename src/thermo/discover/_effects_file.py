@@ -21,7 +21,7 @@ _SEPARATOR: Final = "/"
 
 
 def effects_as_arrays(effects: Sequence[Candidate]) -> dict[str, np.ndarray]:
-    """Every array of the effects, by `NUMBER/NAME/LEAF` [SI]."""
+    """Every array of the effects, by `NUMBER/NAME/LEAF`: strengths, places [m], times [s]."""
     found = {}
     for number, one in enumerate(effects):
         for path, leaf in jax.tree_util.tree_flatten_with_path(one)[0]:

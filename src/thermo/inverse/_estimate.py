@@ -195,7 +195,7 @@ def _damaged(path: Path, fault: Exception) -> InputError:
 
 
 def saved_effects(path: Path) -> dict[str, np.ndarray]:
-    """Arrays [SI] of what was added to the stated model, by name; none where nothing was.
+    """What was added to the stated model as arrays by name, places [m] among them, or none.
 
     Raises `InputError` where the file is missing, damaged or of another format.
     """
