@@ -12,14 +12,11 @@ from skfem import Basis, ElementTetP2, FacetBasis, MeshTet
 SHAPES = ("block", "plate", "cylinder", "ell", "dome")
 
 
-def body_mesh(shape: str, finer: float = 1.0) -> MeshTet:
-    """A body [m]; `finer`: cells along each axis over the usual number [1].
-
-    Cells are thinner towards the skin, where temperatures vary most.
-    """
+def body_mesh(shape: str) -> MeshTet:
+    """A body [m], its cells thinner towards the skin, where temperatures vary most."""
 
     def axis(low: float, high: float, cells: int) -> np.ndarray:
-        even = np.linspace(-1, 1, round(cells * finer) + 1)
+        even = np.linspace(-1, 1, cells + 1)
         graded = 0.3 * even + 0.7 * np.sin(np.pi / 2 * even)
         return (low + high) / 2 + (high - low) / 2 * graded
 
@@ -73,9 +70,12 @@ class Body:
     surface: trimesh.Trimesh
 
 
-def body(shape: str, samples: int, seed: int, finer: float = 1.0) -> Body:
-    """A body with `samples` points on its skin, drawn evenly over the area by a seed [1]."""
-    mesh = body_mesh(shape, finer)
+def body(shape: str, samples: int, seed: int, cut: int = 0) -> Body:
+    """A body with `samples` points on its skin, drawn evenly over the area by a seed [1].
+
+    `cut`: how often each cell is cut in eight [1].
+    """
+    mesh = body_mesh(shape).refined(cut)
     inner = Basis(mesh, ElementTetP2(), intorder=4)
     outer = FacetBasis(mesh, ElementTetP2(), intorder=4)
     surface = _surface(body_mesh(shape))

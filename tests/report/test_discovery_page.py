@@ -13,7 +13,13 @@ from typing import Any
 import pytest
 
 from thermo.report._discovery_page import discovery_page
-from thermo.report._discovery_plots import alias_matrix, score_bars
+from thermo.report._discovery_plots import (
+    alias_matrix,
+    chance_curve,
+    residual_curves,
+    residual_maps,
+    score_bars,
+)
 
 VERDICTS = ("named", "inseparable", "none_of_mine", "no_gap")
 MARKUP = "<b onclick='x()'>glow</b> & more"
@@ -47,6 +53,12 @@ def found(together: list[str], *, closed: float, place: bool = True) -> dict[str
     }  # fmt: skip
 
 
+def squares(changing: float) -> dict[str, Any]:
+    """Of a run, what is left in steady shapes, in others and beside them."""
+    sizes = {"steady": (20.1, 16), "changing": (changing, 176), "rest": (802.5, 808)}
+    return {name: {"squares": one, "expected": count} for name, (one, count) in sizes.items()}
+
+
 def record(verdict: str, **more: Any) -> dict[str, Any]:
     """What `verdict.json` holds, made by hand, as JSON gives it back."""
     rounds = {
@@ -70,6 +82,16 @@ def record(verdict: str, **more: Any) -> dict[str, Any]:
         "p_value": {"without": 0.0, "with": 0.42},
         "could_have_missed": {"void": {"strength": None, "unit": "1"},
                               "heater_lag": {"strength": 0.567, "unit": "s"}},
+        "gap": {"lamp": {"before": squares(5432.1), "after": squares(201.5)}},
+        "residuals": {"lamp": {
+            "points": [[0.0, 0.0, 0.0], [0.01, 0.0, 0.0], [0.0, 0.02, 0.0]], "time": [0.0, 1.0],
+            "by_sample": {"before": [0.1, 0.9, None], "after": [0.05, 0.06, None]},
+            "by_frame": {"before": [0.1, 0.8], "after": [0.05, None]},
+        }},
+        "calibration": {
+            "draws": 200, "false_alarms": {"by_score": 0.041, "by_shapes": 0.01, "either": 0.049},
+            "largest_score": {"chance": [0.1, 0.5, 0.96], "value": [1.5, 2.2, 4.2]},
+        },
         "remarks": [], "versions": {"python": "3.12.1", "jax": "0.10 <dev>"},
         "seconds": 412.3, "configuration": {"data": "scene"},
     }  # fmt: skip
@@ -111,10 +133,10 @@ def test_the_page_is_whole_and_asks_for_nothing(verdict: str) -> None:
     checker = _Checker(page)
     assert checker.fetched == [] and "<script src" not in page
     assert 'src="http' not in shown(page) and 'href="http' not in shown(page)
-    wanted = ["verdict", "rounds", "scores", "candidates", "held_out", "parameters", "missed",
-              "noise", "versions"]  # fmt: skip
+    wanted = ["verdict", "rounds", "gap", "scores", "candidates", "held_out", "parameters",
+              "calibration", "missed", "noise", "versions"]  # fmt: skip
     assert [one for one in checker.ids if one in wanted] == wanted
-    assert {"scores-0", "held-out-0"} <= set(checker.ids)
+    assert {"scores-0", "held-out-0", "gap-0", "gap-1", "chance-0"} <= set(checker.ids)
     assert len(checker.ids) == len(set(checker.ids))
     assert "A block &lt;script&gt;" in page and "0.10 &lt;dev&gt; in 412 s" in page
     assert f'<p class="said lead {verdict}">It is {verdict}, &lt;i&gt;so&lt;/i&gt;.</p>' in page
@@ -123,6 +145,8 @@ def test_the_page_is_whole_and_asks_for_nothing(verdict: str) -> None:
     assert {"0.9", "0.0612", "0.0498", "98.1 %", "nothing to close"} <= cells
     assert {"conductivity", "0.25 W/m/K", "0.2 W/m/K", "-20 %"} <= cells
     assert {"void", "nothing could be seen", "0.567 s"} <= cells
+    assert {"changing", "176", "5432", "201.5"} <= cells
+    assert "4.9 % raise an alarm: 4.1 % by a score and 1.0 % by smooth shapes" in page
     assert {"0.051", "0.0071", "0.049", "0.0012"} <= cells
 
 
@@ -141,7 +165,7 @@ def test_a_named_effect_is_told_with_its_strength_and_place() -> None:
            "below 1e-300", "98.7 %", "lamp: 0.753 to 0.0521; dark: 0.2 to 0.05"]  # fmt: skip
     assert cells[: len(row)] == row
     assert "below 1e-300 before the first round, 0.42 after the last" in page
-    begin = len(row)
+    begin = cells.index("+812") - 1
     assert cells[begin : begin + 7] == [
         "hidden source", "+812", "0.123 ± 0.012 W", "43.2 %", "0.0 %", "what is like hidden_source",
         "a run without hidden_source",
@@ -220,6 +244,25 @@ def test_the_alias_matrix_shows_each_cosine_where_both_names_meet() -> None:
     assert [list(row) for row in drawn.z] == [[1.0, 0.25], [0.5, 1.0]]
     assert [list(row) for row in drawn.text] == [["1.00", "0.25"], ["0.50", "1.00"]]
     assert (drawn.zmin, drawn.zmax) == (0.0, 1.0)
+
+
+def test_maps_before_and_after_have_one_scale_of_colours() -> None:
+    told = record("named")["residuals"]["lamp"]
+    figure: Any = residual_maps("<lamp>", told)
+    before, after = figure.data
+    assert (before.marker.cmin, before.marker.cmax) == (after.marker.cmin, after.marker.cmax)
+    assert before.marker.cmax == 0.9 and before.scene != after.scene
+    assert "&lt;lamp&gt;" in figure.layout.title.text
+    told["by_sample"]["after"] = told["by_frame"]["after"] = None
+    assert len(residual_maps("lamp", told).data) == len(residual_curves("lamp", told).data) == 1
+
+
+def test_the_score_that_was_found_is_marked_where_that_leaves_the_curve_to_be_seen() -> None:
+    drawn = record("named")["calibration"]["largest_score"]
+    for found, marks in ((812.0, [4.2]), (3.9, [4.2, 3.9]), (None, [4.2])):
+        figure: Any = chance_curve(drawn, 4.2, found)
+        assert [line.x0 for line in figure.layout.shapes] == marks
+        assert list(figure.data[0].y) == pytest.approx([0.9, 0.5, 0.04])
 
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")

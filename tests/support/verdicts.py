@@ -5,7 +5,17 @@ from __future__ import annotations
 import jax.numpy as jnp
 import numpy as np
 
-from thermo.discover import Candidacy, Effect, HeldOut, Place, Round, Verdict
+from thermo.discover import (
+    Calibration,
+    Candidacy,
+    Effect,
+    HeldOut,
+    Misfit,
+    Part,
+    Place,
+    Round,
+    Verdict,
+)
 from thermo.discover.candidates import HiddenSource, SensorLag
 from thermo.inverse import Estimate, RecoveredField, RunFit
 from thermo.inverse._properties import Stated
@@ -29,6 +39,11 @@ def one_round(together: list[str], closed: float) -> Round:
     effect = Effect(SOURCE, 1.25, 0.02, (1.2108, 1.2892), centre, 0.005)
     before, after = {"lamp": 0.5, "cooling": 0.2}, {"lamp": 0.05, "cooling": 0.06}
     return Round(candidacies(), 3.1, effect, together, 1e-30, before, after, closed)
+
+
+def misfit(share: float) -> Misfit:
+    """One whose smooth parts are so many times as large as noise alone leaves them."""
+    return Misfit(Part(16 * share, 16), Part(176 * share, 176), Part(800.0, 808))
 
 
 def estimate(apart: float) -> Estimate:
@@ -66,6 +81,11 @@ def verdict(word: str) -> Verdict:
         parameters={"conductivity": (2.2, 2.0)},
         alias={"hidden_source": {"hidden_source": 1.0}},
         omnibus=(1e-9, 0.4),
+        misfits=(
+            {"lamp": misfit(9.0), "cooling": misfit(2.0)},
+            {"lamp": misfit(1.1), "cooling": misfit(1.0)},
+        ),
+        calibration=Calibration(np.linspace(1.0, 3.6, 200), 0.035, 0.01, 0.045),
         stated=estimate(0.5),
         extended=estimate(0.05),
         additions=(source,) if word in ("named", "inseparable") else (),

@@ -1,5 +1,6 @@
 """Where simulation and measurement disagree: which effect is missing, and the proof."""
 
+from thermo.discover._calibration import Calibration
 from thermo.discover._candidate import (
     AbstractHeatCandidate,
     AbstractReadingCandidate,
@@ -11,6 +12,7 @@ from thermo.discover._candidate import (
 from thermo.discover._discover import discover
 from thermo.discover._effects_file import effects_as_arrays, load_effects
 from thermo.discover._library import Setting, library
+from thermo.discover._misfit import Misfit, Part
 from thermo.discover._registered import registered
 from thermo.discover._verdict import Candidacy, Effect, HeldOut, Round, Verdict
 
@@ -18,11 +20,14 @@ __all__ = [
     "AbstractHeatCandidate",
     "AbstractReadingCandidate",
     "Transition",
+    "Calibration",
     "Candidacy",
     "Candidate",
     "Card",
     "Effect",
     "HeldOut",
+    "Misfit",
+    "Part",
     "Place",
     "Round",
     "Setting",

@@ -20,6 +20,7 @@ from thermo.discover._extended import readings
 from thermo.discover._held_out import held_out
 from thermo.discover._library import Setting, setting_of
 from thermo.discover._met import estimate_of
+from thermo.discover._misfit import Misfit, misfits
 from thermo.discover._path import SearchPath, by_shapes, search
 from thermo.discover._registered import registered
 from thermo.discover._rounds import candidacies
@@ -114,12 +115,18 @@ def _answer(
         noise={run.name: estimate_noise(run.recording).white for run in begun.bench.task.runs},
         parameters=_parameters(begun, path.standing),
         alias=aliases(path.table),
+        calibration=path.calibrated,
+        misfits=(_misfits(begun), _misfits(path.standing)),
         omnibus=(by_shapes(begun), by_shapes(path.standing)),
         stated=estimate_of(begun, seconds),
         extended=estimate_of(last, seconds),
         additions=at_work(last),
         remarks=path.remarks + ([] if proof else [_UNPROVED]),
     )
+
+
+def _misfits(standing: Standing) -> Mapping[str, Misfit]:
+    return misfits(standing.allowed.runs, standing.ended.residual)
 
 
 def _check_names(every: tuple[Candidate, ...]) -> None:

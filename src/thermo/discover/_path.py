@@ -7,7 +7,9 @@ from typing import Final, final
 
 from scipy.stats import chi2
 
+from thermo.discover._calibration import Calibration, calibration
 from thermo.discover._candidate import Candidate
+from thermo.discover._projection import projection
 from thermo.discover._rounds import make_round, share_closed, with_joint_effects
 from thermo.discover._scores import ScoreTable, credible
 from thermo.discover._search import Say, Standing, refits, scored, with_all
@@ -31,7 +33,7 @@ _SHAPE: Final = 0.02
 class SearchPath:
     """How far a search went.
 
-    - `table`: the scores before anything was put to work.
+    - `table`: the scores before anything was put to work; `calibrated`: its alarms by simulation.
     """
 
     word: Word
@@ -39,6 +41,7 @@ class SearchPath:
     standing: Standing
     table: ScoreTable
     remarks: list[str]
+    calibrated: Calibration
 
 
 def search(begun: Standing, laws: tuple[Candidate, ...], say: Say) -> SearchPath:
@@ -74,7 +77,14 @@ def search(begun: Standing, laws: tuple[Candidate, ...], say: Say) -> SearchPath
         if one.closed < _WORTH:
             break
     word = "no_gap" if quiet else _word(begun, standing, rounds, tables[0])
-    return SearchPath(word, with_joint_effects(rounds, standing), standing, tables[0], remarks)
+    together = with_joint_effects(rounds, standing)
+    return SearchPath(word, together, standing, tables[0], remarks, calibrated(begun, tables[0]))
+
+
+def calibrated(begun: Standing, table: ScoreTable) -> Calibration:
+    """How often the stated model's alarm would be false, by simulation [1]."""
+    free, runs = projection(begun.ended.slopes), begun.allowed.runs
+    return calibration(table, free, runs, shapes=_BY_SHAPES)
 
 
 def _is_nothing(one: Round) -> bool:

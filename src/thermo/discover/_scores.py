@@ -47,12 +47,18 @@ class ScoreTable:
     """The scores of all parts that could be seen, and the threshold of the largest [1].
 
     - `alike`: correlation of the scores of all strengths, (columns, columns) [1].
+    - `unit`: the signatures beside the unknowns, each of length one, (values, columns) [1].
     """
 
     scores: list[Score]
     unseen: list[Entry]
     threshold: float
     alike: Float[np.ndarray, "columns columns"]
+    unit: Float[np.ndarray, "values columns"]
+
+    def largest(self, draws: Float[np.ndarray, "draws columns"]) -> Float[np.ndarray, " draws"]:
+        """The largest score of all of each draw of normal scores of all strengths [1]."""
+        return _largest(draws, self.alike, self.scores)
 
 
 def score_table(
@@ -106,8 +112,9 @@ def score_table(
         kept.extend(part)
     # One strength of several may show nothing.
     length = np.where(size > 0, size, 1.0)[kept]
-    unit = product[np.ix_(kept, kept)] / np.outer(length, length)
-    return ScoreTable(scores, unseen, _threshold(unit, scores, alpha, seed), unit)
+    alike = product[np.ix_(kept, kept)] / np.outer(length, length)
+    threshold = _threshold(alike, scores, alpha, seed)
+    return ScoreTable(scores, unseen, threshold, alike, left[:, kept] / length)
 
 
 def best_of_kinds(scores: Sequence[Score]) -> list[Score]:
@@ -133,7 +140,7 @@ def _normal_equivalent(told: float, count: int) -> float:
 
 
 def _threshold(
-    unit: Float[np.ndarray, "columns columns"],
+    alike: Float[np.ndarray, "columns columns"],
     scores: Sequence[Score],
     alpha: float,
     seed: int,
@@ -141,19 +148,27 @@ def _threshold(
     """What the largest score passes with chance `alpha` [1] where nothing is missing."""
     if not scores:
         return float(norm.isf(alpha / 2))
-    values, vectors = np.linalg.eigh(unit)
+    values, vectors = np.linalg.eigh(alike)
     root = vectors * np.sqrt(np.maximum(values, 0.0))
-    draws = np.random.default_rng(seed).standard_normal((_DRAWS, len(unit))) @ root.T
-    largest = np.zeros(_DRAWS)
+    draws = np.random.default_rng(seed).standard_normal((_DRAWS, len(alike))) @ root.T
+    return float(np.quantile(_largest(draws, alike, scores), 1 - alpha))
+
+
+def _largest(
+    draws: Float[np.ndarray, "draws columns"],
+    alike: Float[np.ndarray, "columns columns"],
+    scores: Sequence[Score],
+) -> Float[np.ndarray, " draws"]:
+    largest = np.zeros(len(draws))
     for score in scores:
         some = draws[:, score.columns]
         if some.shape[1] == 1:
             one_sided = score.entry.card.low >= 0
             each = some[:, 0] if one_sided else np.abs(some[:, 0])
         else:
-            own = unit[score.columns, score.columns]
+            own = alike[score.columns, score.columns]
             inverse = np.linalg.pinv(own, rcond=1e-6, hermitian=True)
             told = np.einsum("di,ij,dj->d", some, inverse, some)
             each = norm.isf(np.maximum(chi2.sf(told, some.shape[1]), 1e-200) / 2)
         largest = np.maximum(largest, each)
-    return float(np.quantile(largest, 1 - alpha))
+    return largest

@@ -9,7 +9,9 @@ from typing import Literal, final
 import numpy as np
 from jaxtyping import Float
 
+from thermo.discover._calibration import Calibration
 from thermo.discover._candidate import Candidate, Card
+from thermo.discover._misfit import Misfit
 from thermo.inverse import Estimate
 
 
@@ -98,6 +100,8 @@ class Verdict:
     - `noise`: of a reading by run [K]; `parameters`: medians of the fields before and after [SI].
     - `alias`: how alike the best parts of two kinds are, beside the unknowns [1].
     - `omnibus`: probability of as large a misfit in smooth shapes without and with effects [1].
+    - `calibration`: how often an alarm would be false on such runs, by simulation [1].
+    - `misfits`: by run where what is left lies, without and with effects.
     - `stated`, `extended`: fields [SI] and runs [K] of the fits without and with what was found;
       `additions`: what was found, as modules. Nothing, where none explains the gap.
     """
@@ -113,6 +117,8 @@ class Verdict:
     parameters: Mapping[str, tuple[float, float]]
     alias: Mapping[str, Mapping[str, float]]
     omnibus: tuple[float, float]
+    calibration: Calibration
+    misfits: tuple[Mapping[str, Misfit], Mapping[str, Misfit]]
     stated: Estimate
     extended: Estimate
     additions: tuple[Candidate, ...]

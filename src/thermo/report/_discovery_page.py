@@ -11,7 +11,15 @@ from plotly.offline import get_plotlyjs
 
 from thermo.fields import QUANTITIES
 
-from ._discovery_plots import alias_matrix, held_out_bars, score_bars, spoken
+from ._discovery_plots import (
+    alias_matrix,
+    chance_curve,
+    held_out_bars,
+    residual_curves,
+    residual_maps,
+    score_bars,
+    spoken,
+)
 from ._identifiability_page import _STYLE, _plots, _section, _table
 
 _MORE = """
@@ -34,11 +42,13 @@ def discovery_page(record: Mapping[str, Any], title: str) -> str:
         f"<h1>{html.escape(title)}</h1>",
         _verdict(record),
         _section("Rounds", "rounds", _rounds(record)),
+        _section("Where simulation and readings differ", "gap", _gap(record)),
         _section("Scores of the candidates", "scores", _scores(record)),
         _section("All candidates", "candidates", _candidates(record)),
         _section("Which hide behind which", "alias", _alias(record)),
         _section("Runs that were not fitted", "held_out", _held_out(record)),
         _section("Parameters before and after", "parameters", _parameters(record)),
+        _section("How often an alarm would be false", "calibration", _calibration(record)),
         _section("What could have been missed", "missed", _missed(record)),
         _section("Noise and numerics", "noise", _noise(record)),
         _section("Made with", "versions", _made_with(record)),
@@ -113,6 +123,25 @@ def _falls(before: Mapping[str, float], after: Mapping[str, float]) -> str:
     """Root mean squares by run [K]."""
     ends = ((name, before[name], after[name]) for name in before)
     return "; ".join(f"{n}: {_number(b, '.3g')} to {_number(a, '.3g')}" for n, b, a in ends)
+
+
+def _gap(record: Record) -> str:
+    header = ["run", "part", "readings or shapes", "squares before", "squares after"]
+    rows = [
+        [name, part, str(one["expected"]), _number(one["squares"], ".4g"),
+         _number(found["after"][part]["squares"], ".4g")]
+        for name, found in record["gap"].items()
+        for part, one in found["before"].items()
+    ]  # fmt: skip
+    words = (
+        "Squares of simulation less readings, in units of noise and of what is allowed for: those "
+        "smooth over the body and steady, smooth and changing in time, and the rest. They add up; "
+        "noise alone leaves about as many as there are readings or shapes."
+    )
+    figures = []
+    for name, found in record["residuals"].items():
+        figures += [residual_maps(name, found), residual_curves(name, found)]
+    return _plots(figures, "gap") + _table(header, rows, ["part"] * len(rows)) + _note(words)
 
 
 def _first_round(record: Record) -> tuple[Sequence[Record], float]:
@@ -226,6 +255,20 @@ def _change(before: float | None, after: float | None) -> str:
     if not before or after is None:
         return "not known"
     return f"{100 * (after / before - 1):+.2g} %"
+
+
+def _calibration(record: Record) -> str:
+    found, told = record["calibration"], record["candidates"]
+    shares = {name: _share(share) for name, share in found["false_alarms"].items()}
+    words = (
+        f"Of {found['draws']} residuals drawn as noise and what is allowed for make them, each "
+        f"through the fit, linearised, {shares['either']} raise an alarm: {shares['by_score']} by "
+        f"a score and {shares['by_shapes']} by smooth shapes. 4 and 1 % are aimed at."
+    )
+    largest = max((abs(one["score"]) for one in told if one["score"] is not None), default=None)
+    return _plots(
+        [chance_curve(found["largest_score"], record["threshold"], largest)], "chance"
+    ) + _note(words)
 
 
 def _missed(record: Record) -> str:

@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from plotly.graph_objects import Bar, Figure, Heatmap
+from plotly.graph_objects import Bar, Figure, Heatmap, Scatter, Scatter3d
+from plotly.subplots import make_subplots
 
 from ._identifiability_plots import _titled
 
@@ -51,6 +52,65 @@ def score_bars(found: Sequence[Record], threshold: float) -> Figure:
     else:
         figure.update_xaxes(range=[0, 1.15 * high])
     return figure.update_yaxes(autorange="reversed", type="category")
+
+
+def chance_curve(drawn: Record, threshold: float, found: float | None) -> Figure:
+    """Chance that the largest of all scores passes a size where nothing is missing [1]."""
+    passed = 1 - np.asarray(drawn["chance"])
+    line = Scatter(x=drawn["value"], y=passed, mode="lines", line={"color": _ABOVE, "width": 2})
+    figure = _titled(
+        Figure(line), "Largest score where nothing is missing, by simulation",
+        "largest score of all [standard deviations]", "chance that it is larger",
+    )  # fmt: skip
+    marks = {"threshold": (threshold, "#a3242b", "dash")}
+    # Far off, the score that was found would leave nothing to see of the curve.
+    if found is not None and found < 3 * threshold:
+        marks["found"] = (found, "#1b6e3c", "solid")
+    for name, (at, colour, dash) in marks.items():
+        figure.add_vline(
+            x=at, line_dash=dash, line_color=colour, line_width=2, opacity=1.0, annotation_text=name
+        )
+    return figure.update_yaxes(type="log", exponentformat="power")
+
+
+def residual_maps(run: str, found: Record) -> Figure:
+    """Root mean square of each sample over time [K], before and after on one scale of colours."""
+    x, y, z = np.array(found["points"], float).T
+    values = {
+        side: np.array(one, float) for side, one in found["by_sample"].items() if one is not None
+    }
+    finite = np.concatenate([one[np.isfinite(one)] for one in values.values()])
+    most = float(finite.max()) if finite.size else 1.0
+    specs = [[{"type": "scene"} for _ in values]]
+    figure = make_subplots(rows=1, cols=len(values), specs=specs, subplot_titles=list(values))
+    for column, one in enumerate(values.values(), 1):
+        marker = {"size": 4, "color": one, "cmin": 0.0, "cmax": most, "colorscale": "Viridis",
+                  "showscale": column == 1, "colorbar": {"title": "rms [K]"}}  # fmt: skip
+        hover = [f"{value:.3g} K" for value in one]
+        cloud = Scatter3d(x=x, y=y, z=z, mode="markers", hovertext=hover, marker=marker)
+        figure.add_trace(cloud, row=1, col=column)
+    figure.update_scenes(
+        aspectmode="data", xaxis_title="x [m]", yaxis_title="y [m]", zaxis_title="z [m]"
+    )
+    return figure.update_layout(
+        title=f"{html.escape(run)}: simulation less readings, by sample",
+        template="simple_white", height=460, margin={"t": 80, "r": 20}, showlegend=False,
+    )  # fmt: skip
+
+
+def residual_curves(run: str, found: Record) -> Figure:
+    """Root mean square over the samples at each time [K], before and after."""
+    colours = {"before": "#a3242b", "after": "#1b6e3c"}
+    lines = [
+        Scatter(
+            x=found["time"], y=one, mode="lines", name=side,
+            line={"color": colours[side], "width": 2},
+        )
+        for side, one in found["by_frame"].items()
+        if one is not None
+    ]  # fmt: skip
+    title = f"{html.escape(run)}: simulation less readings over time"
+    return _titled(Figure(lines), title, "time [s]", "rms [K]")
 
 
 def alias_matrix(found: Mapping[str, Mapping[str, float]]) -> Figure:

@@ -7,8 +7,18 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from thermo.discover import Candidacy, Effect, Round, Verdict, effects_as_arrays
-from thermo.inverse import save_estimate
+import numpy as np
+
+from thermo.discover import (
+    Calibration,
+    Candidacy,
+    Effect,
+    Misfit,
+    Round,
+    Verdict,
+    effects_as_arrays,
+)
+from thermo.inverse import RunFit, save_estimate
 
 from ._discovery_page import discovery_page
 from ._json import write_json
@@ -45,12 +55,67 @@ def discovery_record(found: Verdict) -> dict[str, Any]:
             for name, (before, after) in found.parameters.items()
         },
         "p_value": {"without": found.omnibus[0], "with": found.omnibus[1]},
+        "gap": {
+            name: {"before": _misfit(one), "after": _misfit(found.misfits[1][name])}
+            for name, one in found.misfits[0].items()
+        },
+        "residuals": _residuals(found),
+        "calibration": _calibration(found.calibration),
         "could_have_missed": {
             name: {"strength": least, "unit": unit} for name, (least, unit) in found.missed.items()
         },
         "remarks": found.remarks,
         "versions": versions(),
     }
+
+
+def _misfit(one: Misfit) -> dict[str, dict[str, float]]:
+    parts = {"steady": one.steady, "changing": one.changing, "rest": one.rest}
+    return {
+        name: {"squares": part.squares, "expected": part.expected} for name, part in parts.items()
+    }
+
+
+def _residuals(found: Verdict) -> dict[str, Any]:
+    """By run and sample [m], and by run and frame [s], root mean squares before and after [K]."""
+    told = {}
+    for name, before in found.stated.runs.items():
+        after = found.extended.runs[name] if found.additions else None
+        told[name] = {
+            "points": before.points.tolist(),
+            "time": before.time.tolist(),
+            "by_sample": _both(before, after, 0),
+            "by_frame": _both(before, after, 1),
+        }
+    return told
+
+
+def _both(before: RunFit, after: RunFit | None, axis: int) -> dict[str, list[float] | None]:
+    return {
+        "before": _over(before, axis).tolist(),
+        "after": None if after is None else _over(after, axis).tolist(),
+    }
+
+
+def _over(run: RunFit, axis: int) -> np.ndarray:
+    """Root mean square over frames or samples [K]; NaN where nothing was read."""
+    square = (run.simulated - run.measured) ** 2
+    count = np.isfinite(square).sum(axis)
+    total = np.where(np.isfinite(square), square, 0.0).sum(axis)
+    return np.where(count > 0, np.sqrt(total / np.maximum(count, 1)), np.nan)
+
+
+def _calibration(found: Calibration) -> dict[str, Any]:
+    chance = np.arange(1, 100) / 100
+    return {
+        "draws": len(found.largest),
+        "false_alarms": {
+            "by_score": found.by_score, "by_shapes": found.by_shapes, "either": found.either,
+        },
+        "largest_score": {
+            "chance": chance.tolist(), "value": np.quantile(found.largest, chance).tolist(),
+        },
+    }  # fmt: skip
 
 
 def _round(one: Round) -> dict[str, Any]:

@@ -1,0 +1,70 @@
+"""The rule by which a search goes on and stops, on rounds made by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from standings import standing
+from verdicts import one_round
+
+from thermo.discover import Calibration, Round, _path
+from thermo.discover._path import SearchPath, search
+from thermo.discover._scores import ScoreTable
+
+
+def found(low: float, high: float, closed: float) -> Round:
+    made = one_round(["hidden_source"], closed)
+    return replace(made, effect=replace(made.effect, interval95=(low, high)))
+
+
+def searched(
+    monkeypatch: pytest.MonkeyPatch, left: Sequence[float], rounds: Sequence[Round], alarms: int
+) -> SearchPath:
+    """A search whose standings leave so much, with so many alarms by scores."""
+    standings = [standing(told + 50.0, 2, smooth=told) for told in left]
+    table = ScoreTable([], [], 3.4, np.zeros((0, 0)), np.zeros((0, 0)))
+    raised = iter([True] * alarms + [False] * 9)
+    made, order = iter(rounds), iter(standings[1:])
+    fakes: dict[str, Any] = {
+        "scored": lambda *_, **__: table,
+        "_alarm": lambda _: next(raised),
+        "refits": lambda *_: [None],
+        "make_round": lambda *_: next(made),
+        "with_all": lambda *_: next(order),
+        "with_joint_effects": lambda rounds, _: rounds,
+        "calibrated": lambda *_: Calibration(np.ones(9), 0.04, 0.01, 0.05),
+    }
+    for name, fake in fakes.items():
+        monkeypatch.setattr(_path, name, fake)
+    return search(standings[0], (), lambda _: None)
+
+
+def test_an_effect_that_may_be_nothing_is_not_named_where_nothing_else_is_left(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    path = searched(monkeypatch, [1.0], [found(0.0, 0.5, 0.1)], alarms=1)
+    assert path.word == "no_gap" and path.rounds == []
+    assert "hidden_source passes the threshold" in path.remarks[0]
+    assert "[0, 0.5] W" in path.remarks[0]
+
+
+def test_one_that_cannot_be_nothing_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    path = searched(monkeypatch, [1.5, 1.0], [found(0.1, 0.5, 0.9)], alarms=1)
+    assert path.word == "named" and len(path.rounds) == 1 and path.remarks == []
+
+
+def test_a_gap_in_smooth_shapes_is_not_argued_away(monkeypatch: pytest.MonkeyPatch) -> None:
+    path = searched(monkeypatch, [5000.0, 1.0], [found(-0.1, 0.5, 0.9)], alarms=1)
+    assert path.word == "named" and len(path.rounds) == 1
+
+
+def test_a_second_effect_that_may_be_nothing_ends_the_search(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rounds = [found(0.1, 0.5, 0.9), found(-1.0, 1.0, 0.9)]
+    path = searched(monkeypatch, [5000.0, 1.5], rounds, alarms=2)
+    assert path.word == "named" and len(path.rounds) == 1 and len(path.remarks) == 1
