@@ -21,8 +21,8 @@ from thermo.physics import AbstractAdjoint, ForwardOnly
 FEW, WIDTH = 4, 12
 """Directions that share one pass through each run [1]: two programs serve any number of them."""
 
-MANY = 32
-"""The same for strengths alone, where there are more than a few [1]."""
+STRENGTHS = (4, 8, 32)
+"""The same for strengths alone: the least of these that holds all of them, or the last [1]."""
 
 
 @final
@@ -137,7 +137,7 @@ def signatures(
     strength moves, follow with zeros.
     """
     parts = []
-    width = FEW if len(ways) <= FEW else MANY
+    width = next((one for one in STRENGTHS if len(ways) <= one), STRENGTHS[-1])
     for begin in range(0, len(ways), width):
         some = ways[begin : begin + width]
         filled = np.zeros((width, ways.shape[1]))
