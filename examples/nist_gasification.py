@@ -176,7 +176,7 @@ def main() -> None:
     except (FileNotFoundError, thermo.InputError) as fault:
         sys.exit(f"nist_gasification: {fault}")
     print_rounds(verdict)
-    write_discovery(out, discovery_record(verdict) | {"object": asked.case})
+    write_discovery(out, verdict, discovery_record(verdict) | {"object": asked.case})
     print(f"page: {out / 'verdict.html'}")
 
 

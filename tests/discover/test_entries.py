@@ -96,7 +96,7 @@ def test_an_entry_is_found_by_name_and_part(point: Extended, flat: np.ndarray) -
 
 
 def test_the_parameters_of_the_fields_are_free(point: Extended, flat: np.ndarray) -> None:
-    free = field_entries(point)
+    free = field_entries(point, point.fields)
     np.testing.assert_array_equal(flat[free.number], [0.1, 0.2, 0.3, 0.4, 0.5])
     assert np.all(free.scale == 0.3)
     assert np.all(free.low == -np.inf) and np.all(free.high == np.inf)
@@ -111,6 +111,16 @@ def check(free: Free, flat: np.ndarray, wanted: list[tuple[float, float, float, 
     """Of each free entry its value, scale and bounds."""
     found = np.stack([flat[free.number], free.scale, free.low, free.high], 1)
     np.testing.assert_allclose(found, wanted, rtol=1e-12)
+
+
+def test_a_coefficient_far_below_its_first_value_may_come_back_at_once(
+    point: Extended,
+) -> None:
+    first = jax.tree.map(lambda leaf: leaf + np.log(100.0), point.fields)
+    low, as_first = field_entries(point, first), field_entries(point, point.fields)
+    np.testing.assert_allclose(low.scale, 100 * as_first.scale)
+    above = jax.tree.map(lambda leaf: leaf - 3.0, point.fields)
+    np.testing.assert_allclose(field_entries(point, above).scale, as_first.scale)
 
 
 def test_what_has_no_place_has_its_strength_alone(point: Extended, flat: np.ndarray) -> None:
@@ -161,7 +171,11 @@ def test_bounds_are_of_the_places_that_were_first(point: Extended, flat: np.ndar
 
 
 def test_parts_are_joined_in_their_order(point: Extended) -> None:
-    some = (field_entries(point), free_of(point, "void", 0), free_of(point, "sensor_lag", 0))
+    some = (
+        field_entries(point, point.fields),
+        free_of(point, "void", 0),
+        free_of(point, "sensor_lag", 0),
+    )
     both = joined(*some)
     assert len(set(both.number)) == len(both.number) == sum(len(one.number) for one in some)
     np.testing.assert_array_equal(both.number, np.concatenate([one.number for one in some]))

@@ -68,7 +68,7 @@ def ways(point: Extended) -> np.ndarray:
         free_entries(point, entry_of(point, (name, 0)), before, corners)
         for name, before in zip(names, point.candidates, strict=True)
     ]
-    return joined(field_entries(point), *free).ways(numbers(point).count)
+    return joined(field_entries(point, point.fields), *free).ways(numbers(point).count)
 
 
 @pytest.fixture(scope="module")
@@ -128,7 +128,7 @@ def test_priors_come_last_and_know_no_candidates(
     last = parts(objective)[-1].stop
     assert len(value) > last
     np.testing.assert_allclose(value[last:], penalty(objective, point.fields), atol=1e-12)
-    fields = len(field_entries(point).number)
+    fields = len(field_entries(point, point.fields).number)
     assert np.all(slopes[last:, fields : len(ways)] == 0)
     assert np.abs(slopes[last:, :fields]).max(0).min() > 0.1
 

@@ -68,3 +68,35 @@ def test_a_second_effect_that_may_be_nothing_ends_the_search(
     rounds = [found(0.1, 0.5, 0.9), found(-1.0, 1.0, 0.9)]
     path = searched(monkeypatch, [5000.0, 1.5], rounds, alarms=2)
     assert path.word == "named" and len(path.rounds) == 1 and len(path.remarks) == 1
+
+
+def pruned_to(
+    monkeypatch: pytest.MonkeyPatch, after: float, first: tuple[float, float] = (0.1, 0.5)
+) -> tuple[list[Round], list[str]]:
+    """Two rounds, the second of which may be nothing, where the fit without it leaves `after`."""
+    both = (("hidden_source", 0), ("radiation", 0))
+    now = standing(120.0, 4, active=both)
+    rounds = [found(*first, 0.9), found(-1.0, 1.0, 0.9)]
+    effects = dict(zip(now.active, [one.effect for one in rounds], strict=True))
+    fakes: dict[str, Any] = {
+        "effect_of": lambda _, active, __: effects[active],
+        "without": lambda _, number: standing(120.0, 3, active=both[:number]),
+        "fitted": lambda made, **_: standing(after, 3, active=made.active),
+    }
+    for name, fake in fakes.items():
+        monkeypatch.setattr(_path, name, fake)
+    remarks: list[str] = []
+    last, kept = _path.pruned(now, rounds, 9.0, lambda _: None, remarks)
+    assert len(last.active) == len(kept)
+    return kept, remarks
+
+
+def test_an_effect_that_others_make_needless_is_taken_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    kept, remarks = pruned_to(monkeypatch, 121.0)
+    assert len(kept) == 1 and kept[0].effect.interval95 == (0.1, 0.5)
+    assert "not needed" in remarks[0]
+
+
+def test_one_without_which_the_fit_is_worse_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    kept, remarks = pruned_to(monkeypatch, 160.0)
+    assert len(kept) == 2 and remarks == []

@@ -6,6 +6,7 @@ import numpy as np
 
 from thermo.discover._allowance import Allowance
 from thermo.discover._descent import Ended
+from thermo.discover._entries import Active
 from thermo.discover._extended import Extended
 from thermo.discover._search import Standing
 from thermo.discover._softening import Block
@@ -15,7 +16,9 @@ VALUES = FRAMES * SAMPLES
 NOTHING = Extended({}, ())
 
 
-def standing(left: float, free: int, smooth: float = 1.0) -> Standing:
+def standing(
+    left: float, free: int, smooth: float = 1.0, active: tuple[Active, ...] = ()
+) -> Standing:
     """One that leaves a residual of this sum of squares, and this variance of smooth shapes."""
     across, along = np.eye(SAMPLES)[:, :1], np.eye(FRAMES)[:, :1]
     block = Block("run", slice(0, VALUES), (FRAMES, SAMPLES), along, across, 0.0)
@@ -25,7 +28,7 @@ def standing(left: float, free: int, smooth: float = 1.0) -> Standing:
     allowed = Allowance([block], np.zeros((VALUES, 0)), np.zeros(0))
     for name, value in [
         ("ended", Ended(NOTHING, residual, np.zeros((VALUES, free)))), ("allowed", allowed),
-        ("active", ()), ("point", NOTHING),
+        ("active", active), ("point", NOTHING),
     ]:  # fmt: skip
         object.__setattr__(made, name, value)
     return made

@@ -12,11 +12,14 @@ from jaxtyping import Array, Float, Int
 from thermo.discover._candidate import Candidate, Card, Place, Transition
 from thermo.discover._descent import Free
 from thermo.discover._extended import Extended, numbers
+from thermo.inverse import Parameters
 
 # A place's size stays within these factors of the first [1]; a field's logarithm moves by this [1].
 _SMALLER, _LARGER, _FIELD = 0.25, 4.0, 0.3
 # A transition stays within so many of its first widths of where it is looked for at first [1].
 _WIDTHS = 3.0
+# Logarithm of how far below its first value a coefficient is brought back at once [1].
+_FAR = 10.0
 
 
 Few = Float[np.ndarray, " few"]
@@ -53,13 +56,21 @@ def entries(point: Extended) -> list[Entry]:
     return found
 
 
-def field_entries(point: Extended) -> Free:
-    """The parameters of the fields, free [1]."""
-    leaves = [np.asarray(leaf).ravel() for leaf in jax.tree.leaves(numbers(point).at.fields)]
-    number = np.concatenate(leaves).astype(int)
+def field_entries(point: Extended, first: Parameters) -> Free:
+    """The parameters of the fields, free; `first`: where the scene puts them [1].
+
+    A gap may draw a coefficient far down, where its logarithm hardly shows in the readings: what
+    is a large change is one of the first value then.
+    """
+    number = _flat(numbers(point).at.fields).astype(int)
     wide = np.full(len(number), np.inf)
-    every = np.ones(len(number), bool)
-    return Free(number, np.full(len(number), _FIELD), -wide, wide, every)
+    above = np.maximum(_flat(first) - _flat(point.fields), 0.0)
+    scale = _FIELD * np.exp(np.minimum(above, _FAR))
+    return Free(number, scale, -wide, wide, np.ones(len(number), bool))
+
+
+def _flat(fields: Parameters) -> Float[np.ndarray, " entries"]:
+    return np.concatenate([np.asarray(leaf).ravel() for leaf in jax.tree.leaves(fields)])
 
 
 def entry_of(point: Extended, active: Active) -> Entry:

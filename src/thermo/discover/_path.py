@@ -10,10 +10,10 @@ from scipy.stats import chi2
 from thermo.discover._calibration import Calibration, calibration
 from thermo.discover._candidate import Candidate
 from thermo.discover._projection import projection
-from thermo.discover._rounds import make_round, share_closed, with_joint_effects
+from thermo.discover._rounds import effect_of, make_round, share_closed, with_joint_effects
 from thermo.discover._scores import ScoreTable, credible
-from thermo.discover._search import Say, Standing, refits, scored, with_all
-from thermo.discover._verdict import Round, Word
+from thermo.discover._search import Say, Standing, fitted, refits, scored, with_all, without
+from thermo.discover._verdict import Effect, Round, Word
 
 # Chance of a false alarm by the largest score, and by the misfit in smooth shapes [1]; each round
 # has half of the one before.
@@ -74,6 +74,7 @@ def search(begun: Standing, laws: tuple[Candidate, ...], say: Say) -> SearchPath
             break
         rounds.append(one)
         standing = with_all(made[0], standing)
+        standing, rounds = pruned(standing, rounds, table.threshold**2, say, remarks)
         if one.closed < _WORTH:
             break
     word = "no_gap" if quiet else _word(begun, standing, rounds, tables[0])
@@ -87,10 +88,37 @@ def calibrated(begun: Standing, table: ScoreTable) -> Calibration:
     return calibration(table, free, runs, shapes=_BY_SHAPES)
 
 
+def pruned(
+    standing: Standing, rounds: list[Round], most: float, say: Say, remarks: list[str]
+) -> tuple[Standing, list[Round]]:
+    """Without effects that those after them have made needless.
+
+    One whose interval holds zero beside the others is taken out, where the criterion rises by less
+    than `most` [1] without it.
+
+    Source: Efroymson, in Mathematical Methods for Digital Computers (1960), stepwise regression.
+    """
+    spread = standing.misfit()
+    for number, active in enumerate(standing.active):
+        effect = effect_of(standing, active, spread)
+        if len(rounds) < 2 or not _holds_zero(effect):
+            continue
+        say(f"trying without {effect.card.name}")
+        less = fitted(without(standing, number), times=1)
+        if less.ended.criterion(spread) - standing.ended.criterion(spread) < most:
+            remarks.append(f"{effect.card.name} was tried, and is not needed beside the others.")
+            return less, rounds[:number] + rounds[number + 1 :]
+    return standing, rounds
+
+
+def _holds_zero(effect: Effect) -> bool:
+    low, high = effect.interval95
+    return low <= 0 <= high
+
+
 def _is_nothing(one: Round) -> bool:
     """Whether all that was found is an effect that may as well be absent."""
-    low, high = one.effect.interval95
-    return low <= 0 <= high
+    return _holds_zero(one.effect)
 
 
 def _nothing(one: Round) -> str:

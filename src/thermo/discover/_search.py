@@ -8,6 +8,7 @@ from typing import Final, final
 
 import jax
 import numpy as np
+from jax.flatten_util import ravel_pytree
 from jaxtyping import Float, Int
 
 from thermo.discover._allowance import Allowance
@@ -23,7 +24,7 @@ from thermo.discover._entries import (
     free_entries,
     joined,
 )
-from thermo.discover._extended import Extended, signatures
+from thermo.discover._extended import Extended, moved, signatures
 from thermo.discover._projection import projection
 from thermo.discover._scores import Score, ScoreTable, best_of_kinds, credible, score_table
 from thermo.discover._softening import omnibus
@@ -75,7 +76,8 @@ def free_of(standing: Standing) -> Free:
         free_entries(point, entry_of(point, one), standing.first[one[0]], corners)
         for one in standing.active
     ]
-    return joined(field_entries(point), *parts)
+    first = standing.bench.first(()).fields
+    return joined(field_entries(point, first), *parts)
 
 
 def fitted(standing: Standing, *, times: int, rival: float = np.inf) -> Standing:
@@ -101,6 +103,17 @@ def fitted(standing: Standing, *, times: int, rival: float = np.inf) -> Standing
     )
     point = replace(small.point, candidates=back)
     return replace(standing, bench=small.bench, point=point, ended=small.ended)
+
+
+def without(standing: Standing, number: int) -> Standing:
+    """The standing with one of its effects taken out, not fitted anew [1]."""
+    name, part = standing.active[number]
+    entry = entry_of(standing.point, (name, part))
+    flat = np.asarray(ravel_pytree(standing.point)[0])
+    change = np.zeros(len(flat))
+    change[entry.strengths] = -flat[entry.strengths]
+    active = tuple(one for one in standing.active if one != (name, part))
+    return replace(standing, point=moved(standing.point, change), active=active)
 
 
 def at_work(standing: Standing) -> tuple[Candidate, ...]:

@@ -1,0 +1,132 @@
+"""What is missing in an opaque model of a PMMA slab under two radiant fluxes.
+
+    python examples/capa_pmma.py [DATA_FOLDER] [--out FOLDER]
+
+The measurements are the University of Maryland's (CAPA II, MaCFP, github.com/MaCFP/matl-db, MIT
+licence): the temperature of the slab's back, seen by an infrared camera, at 25 and at 60 kW/m2.
+They are not in this repository: DATA_FOLDER, or the environment variable THERMOFIELD_DATA, names
+the folder that holds measured/umd_capa_pmma.
+
+How they are made a scene:
+
+- The slab, 5.8 mm thick and 70 mm wide, is a column below its middle whose sides are insulated;
+  the panel is a lamp so wide that its flux is even. The flux is absorbed at the front, 0.96 of it.
+- Only the first 150 s at 25 kW/m2 and 60 s at 60 kW/m2 are used, before the polymer decomposes.
+- Exchange is 8.6 W/m2/K and an emissivity of 0.96 towards 300 K, as measured for the front, whose
+  gas is warmer, at 330 and 365 K: what that brings is added to the flux. At the back 4 W/m2/K were
+  measured, so that its loss is overstated by 0.2 kW/m2 where it is 50 K warmer than the room.
+- Conductivity and heat capacity are said not to change; one of each is fitted to both runs.
+- What a model without these faults would still be wrong by is put at 0.5 K, half of what is stated
+  for the readings, two standard deviations of the mean of twelve points.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+import thermo
+from thermo.discover import Verdict, discover
+from thermo.inverse import Meshing, Stepping
+from thermo.observe import Box, Heater, Recording, Run, StatedMaterial, write_scene
+from thermo.report import discovery_record, write_discovery
+
+ROOT = Path(__file__).resolve().parents[1]
+RECORDS = Path("measured/umd_capa_pmma")
+
+ABSORBED = 0.96
+EXCHANGE = 8.6  # W/m2/K
+ROOM = 300.0  # K
+THICKNESS, SIDE = 5.8e-3, 4e-3  # m
+DENSITY, CAPACITY, FIRST_GUESS = 1210.0, 1109.0, 0.2
+MODEL_ERROR = 0.5  # K
+# By flux [kW/m2]: how long [s], gas before the front [K], temperature at the start [K].
+TESTS = {25: (150.0, 330.0, 300.0), 60: (60.0, 365.0, 303.0)}
+
+
+def read(folder: Path, flux: int, end: float) -> tuple[np.ndarray, np.ndarray]:
+    """Times (frames,) [s], about one a second, and temperatures of the back (frames,) [K]."""
+    path = folder / RECORDS / f"UMD_CAPA_{flux}kW_Temp.csv"
+    if not path.is_file():
+        raise FileNotFoundError(
+            f"the measurement is not at {path}\nname its folder: "
+            "python examples/capa_pmma.py DATA_FOLDER, or set THERMOFIELD_DATA"
+        )
+    table = np.genfromtxt(path, delimiter=",", skip_header=2)[:, [0, 2]]
+    table = table[table[:, 0] <= end]
+    every = max(round(1.0 / float(np.median(np.diff(table[:, 0])))), 1)
+    return table[::every, 0], table[::every, 1]
+
+
+def test_of(data: Path, flux: int) -> Run:
+    """One test, its flux [kW/m2] as a lamp."""
+    end, gas, start = TESTS[flux]
+    time, seen = read(data, flux, end)
+    power = (ABSORBED * 1e3 * flux + EXCHANGE * (gas - ROOM)) * SIDE**2
+    sides = Box([-1.0, -1.0, 1e-3 * THICKNESS], [1.0, 1.0, 0.999 * THICKNESS])
+    return Run(
+        name=f"flux_{flux}", recording=Recording(np.zeros((1, 3)), time, seen[:, None]),
+        initial_temperature=start, ambient_temperature=ROOM, radiation_temperature=ROOM,
+        heater=Heater([0.0, 0.0, 1.0], [0.0, 0.0, -1.0], 1.0, power, 1e6, 0.0), insulated=(sides,),
+    )  # fmt: skip
+
+
+def write_slab(data: Path, out: Path) -> None:
+    """Write the scene folder of the slab."""
+    runs = {one.name: one for one in (test_of(data, flux) for flux in TESTS)}
+    surface = out.with_suffix(".ply")
+    body = trimesh.creation.box([SIDE, SIDE, THICKNESS])
+    body.apply_translation([0.0, 0.0, THICKNESS / 2])
+    body.export(surface)
+    write_scene(out, thermo.Scene(
+        folder=out, object="PMMA slab", surface_path=surface, unit="m",
+        material=StatedMaterial("PMMA", DENSITY, CAPACITY, FIRST_GUESS), convection=EXCHANGE,
+        emissivity=ABSORBED, unknown=("conductivity", "volumetric_heat_capacity"), prior={},
+        runs=runs,
+    ))  # fmt: skip
+
+
+def run(
+    data: Path, out: Path, runs: tuple[str, ...] | None, say: Callable[[str], None] = print
+) -> Verdict:
+    """Write the scene below `out`, and ask what is missing in some runs, or in both."""
+    out.mkdir(parents=True, exist_ok=True)
+    write_slab(data, out / "scene")
+    return discover(
+        out / "scene", runs=runs, model_error=MODEL_ERROR, meshing=Meshing(max_nodes=1000), say=say,
+        stepping=Stepping(most_frames=150),
+    )  # fmt: skip
+
+
+def main() -> None:
+    """Ask, print, and leave the page."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("data", nargs="?", help="folder that holds measured/umd_capa_pmma")
+    parser.add_argument("--out", type=Path, default=Path("outputs/capa_pmma"))
+    parser.add_argument("--run", choices=[f"flux_{flux}" for flux in TESTS], help="that one alone")
+    asked = parser.parse_args()
+    named = asked.data or os.environ.get("THERMOFIELD_DATA")
+    try:
+        runs = (asked.run,) if asked.run else None
+        verdict = run(Path(named) if named else ROOT / "data", asked.out, runs)
+    except (FileNotFoundError, thermo.InputError) as fault:
+        sys.exit(f"capa_pmma: {fault}")
+    for one in verdict.rounds:
+        print(f"{' or '.join(one.together)}: rms {one.rms_before} to {one.rms_after} K")
+    for name, (before, after) in verdict.parameters.items():
+        print(f"{name}: {before:.4g} before, {after:.4g} after")
+    print(*(f"rms {name}: {fit.rmse:.2f} K" for name, fit in verdict.extended.runs.items()))
+    record = discovery_record(verdict) | {"object": "PMMA slab"}
+    print(*record["sentences"], sep="\n")
+    write_discovery(asked.out, verdict, record)
+    print(f"page: {asked.out / 'verdict.html'}")
+
+
+if __name__ == "__main__":
+    main()
