@@ -116,8 +116,32 @@ def answer(verdict: Verdict) -> dict[str, Any]:
         ],
         "held_out": [proof.rms_before, proof.rms_after, proof.noise],
         "largest": max(abs(one.score) for one in verdict.candidates),
+        "by_correlation": by_correlation(verdict),
+        "by_bic": by_bic(verdict),
         "threshold": verdict.threshold, "omnibus": list(verdict.omnibus),
     }  # fmt: skip
+
+
+def by_correlation(verdict: Verdict) -> str | None:
+    """The candidate whose signature is most like what is left, if any could be seen."""
+    found = max(verdict.candidates, key=lambda one: one.correlation, default=None)
+    return None if found is None else found.card.name
+
+
+def by_bic(verdict: Verdict) -> str:
+    """The candidate that Schwarz's criterion would name among the refits, or none."""
+    found = verdict.rounds[0].candidates if verdict.rounds else []
+    better = [one for one in found if one.bic is not None and one.bic < 0]
+    return min(better, key=lambda one: one.bic or 0.0).card.name if better else ""
+
+
+def alone(name: str | None, row: dict[str, Any]) -> str:
+    """One word for a rule that names a candidate or an empty name; none where nothing is known."""
+    if name is None:
+        return ""
+    if not name:
+        return "right" if row["group"] == "clean" else "missed"
+    return "right" if name in row["hidden"] else "wrong"
 
 
 def right(row: dict[str, Any]) -> str:
@@ -141,8 +165,15 @@ def right(row: dict[str, Any]) -> str:
 
 HEADER = [
     "case", "material", "visible", "true strength", "verdict", "sets", "strength", "low",
-    "high", "answer", "held out before", "held out after", "noise", "seconds",
+    "high", "answer", "by correlation", "by BIC", "held out before", "held out after", "noise",
+    "seconds",
 ]  # fmt: skip
+
+
+RULES = ("answer", "by correlation", "by BIC")
+"""Ours, and what is compared with it: each names one candidate, BIC among the refits or none."""
+
+PLAIN = ("right", "wrong")
 
 
 def write_tables(rows: list[dict[str, Any]]) -> None:
@@ -158,21 +189,24 @@ def write_tables(rows: list[dict[str, Any]]) -> None:
         lines[row["case"]] = [
             row["case"], row["material"], " ".join(f"{one:.0f}" for one in row["visible"]),
             " ".join(f"{one:.3g}" for one in row["true_strength"]), row["verdict"],
-            "; ".join(" ".join(one) for one in row["sets"]), *short[:3], right(row), *short[3:],
+            "; ".join(" ".join(one) for one in row["sets"]), *short[:3], right(row),
+            alone(row["by_correlation"], row), alone(row["by_bic"], row), *short[3:],
             f"{row['seconds']:.0f}",
         ]  # fmt: skip
     _write(CASES, [HEADER, *(lines[name] for name in sorted(lines))])
-    strata: dict[tuple[str, str], list[str]] = {}
+    strata: dict[tuple[str, str], list[list[Any]]] = {}
     for name, line in lines.items():
         group, hidden, shape, _, noise, _ = name.split("-")
         for stratum in ("all", noise if hidden == "clean" else hidden, shape):
-            strata.setdefault((group, stratum), []).append(line[HEADER.index("answer")])
+            strata.setdefault((group, stratum), []).append(line)
     words = ["right", "set", "partly", "refused", "missed", "set of wrong ones", "wrong"]
-    table = [
-        [*key, len(found), *(found.count(word) for word in words)]
-        for key, found in sorted(strata.items())
-    ]
-    _write("hidden_effects_rates.csv", [["group", "stratum", "cases", *words], *table])
+    table = []
+    for key, found in sorted(strata.items()):
+        ours, *others = ([line[HEADER.index(rule)] for line in found] for rule in RULES)
+        shares = [sum(answer == word for answer in one) for one in others for word in PLAIN]
+        table.append([*key, len(found), *(ours.count(word) for word in words), *shares])
+    header = [f"{rule}: {word}" for rule in RULES[1:] for word in PLAIN]
+    _write("hidden_effects_rates.csv", [["group", "stratum", "cases", *words, *header], *table])
 
 
 def _write(name: str, rows: list[list[Any]]) -> None:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from standings import standing
+from standings import VALUES, standing
 
 from thermo.discover._candidate import Card
 from thermo.discover._entries import Entry
-from thermo.discover._rounds import share_closed, together
+from thermo.discover._rounds import evidence, share_closed, together
 from thermo.discover._scores import Score
 from thermo.discover._search import Refit, in_order, near_best
 
 
 def refit(name: str, left: float, free: int, smooth: float = 1.0) -> Refit:
     card = Card(name, "1", 1.0, -np.inf, np.inf, "", "", "")
-    score = Score(Entry(0, 0, card, np.array([0])), 5.0, np.ones(1), 0.2, 1.0, slice(0, 1))
+    score = Score(Entry(0, 0, card, np.array([0])), 5.0, np.ones(1), 0.2, 1.0, 0.3, slice(0, 1))
     return Refit(score, standing(left, free, smooth))
 
 
@@ -83,3 +83,10 @@ def test_the_share_closed_is_of_what_is_beyond_noise_and_one_at_the_most() -> No
     # A gap within the scatter of one square of noise is no measure: that scatter is.
     small = standing(60.0, 2, smooth=1.5)
     assert share_closed(small, standing(60.0, 3)) == pytest.approx(0.5 / np.sqrt(2))
+
+
+def test_evidence_pays_the_logarithm_of_the_readings_for_each_that_is_free() -> None:
+    before = standing(100.0, 2).ended
+    found = evidence(before, {"few": standing(90.0, 3).ended, "many": standing(90.0, 6).ended})
+    assert found["few"] == pytest.approx(-10.0 + np.log(VALUES))
+    assert found["many"] - found["few"] == pytest.approx(3 * np.log(VALUES))

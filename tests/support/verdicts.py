@@ -28,8 +28,8 @@ SOURCE, LAG = HiddenSource.card, SensorLag.card
 def candidacies() -> list[Candidacy]:
     """A source that is seen and refitted, and a lag that is not."""
     return [
-        Candidacy(SOURCE, 40.0, 1.3, 0.03, 0.8, 0.0),
-        Candidacy(LAG, 0.4, 0.01, 0.02, 0.9, None),
+        Candidacy(SOURCE, 40.0, 1.3, 0.03, 0.8, 0.0, 0.9, -700.0),
+        Candidacy(LAG, 0.4, 0.01, 0.02, 0.9, None, 0.1, None),
     ]
 
 

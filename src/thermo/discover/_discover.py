@@ -107,7 +107,7 @@ def _answer(
     return Verdict(
         verdict=path.word,
         rounds=path.rounds,
-        candidates=candidacies(path.table, {}, 1.0),
+        candidates=candidacies(path.table, {}, 1.0, {}),
         threshold=path.table.threshold,
         held_out=proof,
         missed={name: one for name, one in _missed(path.table).items() if name not in named},

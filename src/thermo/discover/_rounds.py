@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 from scipy.stats import chi2
 
 from thermo.discover._candidate import Transition
+from thermo.discover._descent import Ended
 from thermo.discover._entries import Active, Entry, entry_of
 from thermo.discover._met import met_runs
 from thermo.discover._scores import ScoreTable, best_of_kinds
@@ -36,7 +38,7 @@ def make_round(before: Standing, made: list[Refit], table: ScoreTable) -> Round:
     gain = 2 * (before.ended.loss() - ended[best.name()].loss()) / spread
     more = ended[best.name()].fitted() - before.ended.fitted()
     return Round(
-        candidates=candidacies(table, left, whole),
+        candidates=candidacies(table, left, whole, evidence(before.ended, ended)),
         threshold=table.threshold,
         effect=effect_of(best.standing, best.standing.active[-1], spread),
         together=together(made, spread, table.threshold**2),
@@ -70,8 +72,25 @@ def share_closed(before: Standing, after: Standing) -> float:
     return min(1.0, float((told - rest) / max(told - count, np.sqrt(2 * count))))
 
 
-def candidacies(table: ScoreTable, left: dict[str, float], whole: float) -> list[Candidacy]:
+def evidence(before: Ended, refitted: Mapping[str, Ended]) -> dict[str, float]:
+    """Schwarz's criterion of each refit less that without it, below zero where it is better [1].
+
+    Source: Burnham and Anderson, Model Selection (2002), section 6.4, BIC.
+    """
+    price = float(np.log(np.count_nonzero(before.residual)))
+    return {
+        name: 2 * (one.loss() - before.loss()) + price * (one.fitted() - before.fitted())
+        for name, one in refitted.items()
+    }
+
+
+def candidacies(
+    table: ScoreTable, left: dict[str, float], whole: float, bic: Mapping[str, float]
+) -> list[Candidacy]:
     """The best part of each kind, by its score; `left` of `whole` by the kinds refitted [1]."""
+    alike: dict[str, float] = {}
+    for one in table.scores:
+        alike[one.name()] = max(alike.get(one.name(), 0.0), one.correlation)
     return [
         Candidacy(
             one.entry.card,
@@ -80,6 +99,8 @@ def candidacies(table: ScoreTable, left: dict[str, float], whole: float) -> list
             one.sd,
             one.visible,
             left[one.name()] / whole if one.name() in left else None,
+            alike[one.name()],
+            bic.get(one.name()),
         )
         for one in best_of_kinds(table.scores)
     ]

@@ -26,6 +26,7 @@ class Score:
     - `entry`; `z`: score in standard deviations, a normal equivalent where strengths are joint [1].
     - `strength`: predicted, (strengths,) in the card's unit; `sd`: of the last of them.
     - `visible`: share of the signature that the unknowns do not swallow [1].
+    - `correlation`: cosine of the largest of its signatures with what is left, unknowns or not [1].
     - `columns`: where it stands in `ScoreTable.alike`.
     """
 
@@ -34,6 +35,7 @@ class Score:
     strength: Float[np.ndarray, " strengths"]
     sd: float
     visible: float
+    correlation: float
     columns: slice
 
     def name(self) -> str:
@@ -87,6 +89,8 @@ def score_table(
     pull = -(left.T @ residual)
     raw = np.sqrt((signatures**2).sum(0))
     size = np.sqrt(np.maximum(np.diag(product), 0.0))
+    length = np.maximum(raw * np.linalg.norm(residual), 1e-300)
+    alike_left = np.abs(signatures.T @ residual) / length
     scores, unseen, kept = [], [], []
     begin = 0
     for entry in found:
@@ -106,6 +110,7 @@ def score_table(
                 strength * entry.card.typical,
                 float(np.sqrt(inverse[-1, -1])) * entry.card.typical,
                 float(size[part].max() / max(raw[part].max(), 1e-300)),
+                float(alike_left[part].max()),
                 slice(len(kept), len(kept) + len(part)),
             )
         )

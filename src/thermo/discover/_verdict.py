@@ -42,6 +42,8 @@ class Candidacy:
     - `score`: in standard deviations [1]; `strength`, `sd`: predicted, in the card's unit.
     - `visible`: share of its signature that the unknowns do not swallow [1].
     - `left`: share of what the best explains that it does not [1]; None where it was not refitted.
+    - `correlation`: of what is left with its signature, as it is [1]; `bic`: Schwarz's criterion of
+      its refit less that without it [1], None where it was not refitted.
     """
 
     card: Card
@@ -50,6 +52,8 @@ class Candidacy:
     sd: float
     visible: float
     left: float | None
+    correlation: float
+    bic: float | None
 
 
 @final

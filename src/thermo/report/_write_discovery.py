@@ -152,6 +152,8 @@ def _candidacy(one: Candidacy) -> dict[str, Any]:
         "unit": one.card.unit,
         "visible": one.visible,
         "left": one.left,
+        "correlation": one.correlation,
+        "bic": one.bic,
         "excited_by": one.card.excited_by,
         "hides_behind": one.card.hides_behind,
         "split_by": one.card.split_by,
