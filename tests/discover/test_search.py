@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from standings import VALUES, standing
@@ -10,7 +12,7 @@ from thermo.discover._candidate import Card
 from thermo.discover._entries import Entry
 from thermo.discover._rounds import evidence, share_closed, together
 from thermo.discover._scores import Score
-from thermo.discover._search import Refit, in_order, near_best
+from thermo.discover._search import Refit, in_order, near_best, worth_a_refit
 
 
 def refit(name: str, left: float, free: int, smooth: float = 1.0) -> Refit:
@@ -90,3 +92,19 @@ def test_evidence_pays_the_logarithm_of_the_readings_for_each_that_is_free() -> 
     found = evidence(before, {"few": standing(90.0, 3).ended, "many": standing(90.0, 6).ended})
     assert found["few"] == pytest.approx(-10.0 + np.log(VALUES))
     assert found["many"] - found["few"] == pytest.approx(3 * np.log(VALUES))
+
+
+@pytest.mark.parametrize(
+    ("sizes", "count"),
+    [
+        ([9.0, 8.0, 1.5], 2),
+        ([9.0, 5.0, 4.9, 4.8, 4.7, 4.6, 4.5], 6),
+        ([-9.0, 8.9, 8.8, 8.7, 8.6, 8.5, 8.4, -8.3, 5.0], 8),
+        ([], 0),
+    ],
+)
+def test_more_than_a_few_are_refitted_where_scores_are_alike(
+    sizes: list[float], count: int
+) -> None:
+    order = [replace(refit("one", 60.0, 2).score, z=size) for size in sizes]
+    assert worth_a_refit(order) == order[:count]

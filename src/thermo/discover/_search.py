@@ -29,11 +29,14 @@ from thermo.discover._projection import projection
 from thermo.discover._scores import Score, ScoreTable, best_of_kinds, credible, score_table
 from thermo.discover._softening import omnibus
 
-# Kinds that are refitted at the most, and those of which what cells make wrong is measured anew.
-_REFITTED: Final = 6
-_MEASURED: Final = 3
-# A kind is refitted where its score explains this share of what the best one does [1].
+# Of a few kinds each is refitted whose score explains this share of what the best one does, and
+# all whose score explains another share of it [1]: far from where scores are linear they rank
+# kinds but roughly.
+_FEW: Final = 6
 _WORTH: Final = 0.05
+_ALL: Final = 0.5
+# Kinds near the best of which what cells make wrong is measured anew [1].
+_MEASURED: Final = 3
 # Of what the best gains by the criterion, how far behind one may be to be measured anew [1].
 _NEAR: Final = 0.3
 
@@ -216,17 +219,26 @@ class Refit:
         return self.score.name()
 
 
+def worth_a_refit(order: list[Score]) -> list[Score]:
+    """Of the best parts of kinds, the best first, those that a fit could put first [1]."""
+    shares = [(one.z / order[0].z) ** 2 for one in order]
+    return [
+        one
+        for number, (one, share) in enumerate(zip(order, shares, strict=True))
+        if share >= (_WORTH if number < _FEW else _ALL)
+    ]
+
+
 def refits(
     standing: Standing, table: ScoreTable, laws: tuple[Candidate, ...], say: Say
 ) -> list[Refit]:
     """The credible candidates put to work one by one, the best first."""
     order = best_of_kinds([one for one in table.scores if credible(one, table.threshold)])
     made: list[Refit] = []
-    for score in order[:_REFITTED]:
-        if score.z**2 >= _WORTH * order[0].z ** 2:
-            say(f"refitting {score.name()}, score {score.z:.1f}")
-            rival = min((one.standing.ended.loss() for one in made), default=np.inf)
-            made.append(_put_to_work(standing, score, laws, rival))
+    for score in worth_a_refit(order):
+        say(f"refitting {score.name()}, score {score.z:.1f}")
+        rival = min((one.standing.ended.loss() for one in made), default=np.inf)
+        made.append(_put_to_work(standing, score, laws, rival))
     return _measured_anew(standing, made, say) if made else []
 
 
