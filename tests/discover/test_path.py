@@ -14,6 +14,7 @@ from verdicts import one_round
 from thermo.discover import Calibration, Round, _path
 from thermo.discover._path import SearchPath, search
 from thermo.discover._scores import ScoreTable
+from thermo.discover.candidates import CameraDrift
 
 
 def found(low: float, high: float, closed: float) -> Round:
@@ -68,6 +69,14 @@ def test_a_second_effect_that_may_be_nothing_ends_the_search(
     rounds = [found(0.1, 0.5, 0.9), found(-1.0, 1.0, 0.9)]
     path = searched(monkeypatch, [5000.0, 1.5], rounds, alarms=2)
     assert path.word == "named" and len(path.rounds) == 1 and len(path.remarks) == 1
+
+
+def test_a_fault_of_the_record_is_told_of_and_not_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    drift = found(0.001, 0.003, 0.99)
+    drift = replace(drift, effect=replace(drift.effect, card=CameraDrift.card, strength=0.002))
+    path = searched(monkeypatch, [5000.0], [drift], alarms=1)
+    assert path.word == "none_of_mine" and path.rounds == []
+    assert "camera_drift of 0.002 K/s" in path.remarks[0] and "known temperature" in path.remarks[0]
 
 
 def pruned_to(

@@ -23,6 +23,8 @@ class Card:
     - `joint`: its strengths belong together, as those of one history; else each is a place, an
       axis or a kind by itself, and one of them is looked for.
     - `law`: whether it makes properties change with temperature: a step takes two iterations then.
+    - `fault`: whether it is a fault of the record that may stand in for an effect: it is looked for
+      and told of, and never named.
     - `excited_by`, `hides_behind`, `split_by`: in words.
     """
 
@@ -36,6 +38,7 @@ class Card:
     split_by: str
     joint: bool = False
     law: bool = False
+    fault: bool = False
 
 
 @final

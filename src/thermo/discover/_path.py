@@ -67,6 +67,9 @@ def search(begun: Standing, laws: tuple[Candidate, ...], say: Say) -> SearchPath
             remarks.append(_nothing(one))
             quiet = not rounds
             break
+        if one is not None and one.effect.card.fault:
+            remarks.append(_fault(one.effect))
+            break
         if rounds and (one is None or one.closed < _WORTH):
             remarks.append(_rest(one))
             break
@@ -127,6 +130,14 @@ def _nothing(one: Round) -> str:
         f"The score of {one.effect.card.name} passes the threshold, but fitted it is "
         f"{one.effect.strength:.3g} [{low:.3g}, {high:.3g}] {one.effect.card.unit}, which may be "
         "nothing, and nothing else is left."
+    )
+
+
+def _fault(found: Effect) -> str:
+    return (
+        f"What is left is met best by a fault of the record, {found.card.name} of "
+        f"{found.strength:.3g} {found.card.unit}, which is not an effect on the body. What would "
+        f"show it: {found.card.split_by}."
     )
 
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from lit_box import AIR, FRAMES, OFF, change, hot, lit, nearest, one, without
 
 from thermo.discover import Candidate
-from thermo.discover.candidates import CameraEmissivity, ClockOffset, SensorLag
+from thermo.discover.candidates import CameraDrift, CameraEmissivity, ClockOffset, SensorLag
 from thermo.inverse import Conditions
 from thermo.inverse._addition import read_as
 
@@ -22,6 +22,7 @@ MADE: dict[str, Callable[[float], Candidate]] = {
     "sensor_lag": lambda value: SensorLag(one(value)),
     "clock_offset": lambda value: ClockOffset(one(value)),
     "camera_emissivity": lambda value: CameraEmissivity(one(value)),
+    "camera_drift": lambda value: CameraDrift(one(value)),
 }
 LIT = nearest((0.013, 0.006, 0.008))
 # Of one length, so that they share their programs.
@@ -179,3 +180,11 @@ def test_a_sample_whose_constant_error_is_taken_off_reads_its_start(name: str) -
     # Its quiet frames showed what the camera makes of the start.
     assert found[0, 0] == pytest.approx(found[0, 1] - before, abs=1e-9)
     assert found[1, 0] == pytest.approx(found[1, 1] - before, abs=1e-9)
+
+
+def test_a_drift_grows_with_time_wherever_it_is_read() -> None:
+    time = np.array([0.0, 1.0, 4.0])
+    body = np.array([[300.0, 310.0], [301.0, 309.0], [302.0, 305.0]])
+    more = read(CameraDrift(one(0.1)), body, time) - body
+    np.testing.assert_allclose(more, 0.1 * time[:, None] * np.ones((1, 2)), atol=1e-12)
+    assert CameraDrift.card.fault

@@ -1,6 +1,6 @@
 """Effects that may be missing, each one module whose strength of zero means that it is absent."""
 
-from thermo.discover.candidates._camera import CameraEmissivity, ClockOffset, SensorLag
+from thermo.discover.candidates._camera import CameraDrift, CameraEmissivity, ClockOffset, SensorLag
 from thermo.discover.candidates._heating import (
     HeaterLag,
     HeaterPower,
@@ -27,6 +27,7 @@ __all__ = [
     "AmbientDrift",
     "AnisotropicConductivity",
     "BackingConduction",
+    "CameraDrift",
     "CameraEmissivity",
     "ClockOffset",
     "Evaporation",

@@ -64,7 +64,7 @@ class ClockOffset(AbstractReadingCandidate):
     """Frames taken later than their stamp says, T(t + offset)."""
 
     card: ClassVar[Card] = Card(
-        "clock_offset", "s", 2.0, -60.0, 60.0,
+        "clock_offset", "s", 2.0, -10.0, 10.0,
         excited_by="fast changes",
         hides_behind="a slow sensor, a lamp that warms up slowly",
         split_by="a run in which a shutter opens at a known time",
@@ -119,3 +119,32 @@ class CameraEmissivity(AbstractReadingCandidate):
         """What is read [K] of temperatures [K] at times [s]."""
         del time
         return temperature + self.strength[0] * (temperature - under.surroundings)
+
+
+@final
+class CameraDrift(AbstractReadingCandidate):
+    """A camera that reads more and more, strength times t, in every run alike.
+
+    Source: Vollmer and Moellmann, Infrared Thermal Imaging (2018), section 2.4, drift of a camera
+    between two looks at its shutter.
+    """
+
+    card: ClassVar[Card] = Card(
+        "camera_drift", "K/s", 0.01, -1.0, 1.0,
+        excited_by="long runs",
+        hides_behind="a source as wide as the body, surroundings that drift",
+        split_by="a body of known temperature in view",
+        fault=True,
+    )  # fmt: skip
+    strength: Float[Array, " parts"]
+    place: Place | None = None
+
+    def to_readings(
+        self,
+        temperature: Float[Array, "frames samples"],
+        time: Float[Array, " frames"],
+        under: Conditions,
+    ) -> Float[Array, "frames samples"]:
+        """What is read [K] of temperatures [K] at times [s]."""
+        del under
+        return temperature + self.strength[0] * jnp.maximum(time, 0.0)[:, None]
