@@ -18,8 +18,8 @@ from thermo.discover.candidates import CameraDrift
 
 
 def found(low: float, high: float, closed: float) -> Round:
-    made = one_round(["hidden_source"], closed)
-    return replace(made, effect=replace(made.effect, interval95=(low, high)))
+    made, chance = one_round(["hidden_source"], closed), 0.2 if low <= 0 <= high else 0.001
+    return replace(made, effect=replace(made.effect, interval95=(low, high), chance=chance))
 
 
 def searched(

@@ -36,7 +36,7 @@ def candidacies() -> list[Candidacy]:
 def one_round(together: list[str], closed: float) -> Round:
     """A source at a place."""
     centre = np.array([0.01, 0.0, 0.004])
-    effect = Effect(SOURCE, 1.25, 0.02, (1.2108, 1.2892), centre, 0.005)
+    effect = Effect(SOURCE, 1.25, 0.02, (1.2108, 1.2892), centre, 0.005, chance=0.0)
     before, after = {"lamp": 0.5, "cooling": 0.2}, {"lamp": 0.05, "cooling": 0.06}
     return Round(candidacies(), 3.1, effect, together, 1e-30, before, after, closed)
 

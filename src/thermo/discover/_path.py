@@ -24,6 +24,8 @@ _ROUNDS: Final = 3
 _CLOSED: Final = 0.9
 # An effect has to close this share of what is left [1].
 _WORTH: Final = 0.5
+# An effect may as well be absent where scatter gives strengths as large with this chance [1].
+_ABSENT: Final = 0.05
 # What an effect's place is like is a guess: 15 % of its amplitude may be left by that, squared [1].
 _SHAPE: Final = 0.02
 
@@ -53,7 +55,8 @@ def search(begun: Standing, laws: tuple[Candidate, ...], say: Say) -> SearchPath
         share = 0.5**number
         table = scored(standing, laws, alpha=share * _BY_SCORE)
         tables.append(table)
-        if not _alarm(table) and by_shapes(standing) > share * _BY_SHAPES:
+        calm = by_shapes(standing) > share * _BY_SHAPES
+        if not _alarm(table) and calm:
             break
         if rounds and _is_shape(begun, standing):
             remarks.append(
@@ -63,7 +66,7 @@ def search(begun: Standing, laws: tuple[Candidate, ...], say: Say) -> SearchPath
             break
         made = refits(standing, table, laws, say)
         one = make_round(standing, made, table) if made else None
-        if one is not None and _is_nothing(one) and by_shapes(standing) > share * _BY_SHAPES:
+        if calm and one is not None and one.effect.chance > _ABSENT:
             remarks.append(_nothing(one))
             quiet = not rounds
             break
@@ -96,15 +99,15 @@ def pruned(
 ) -> tuple[Standing, list[Round]]:
     """Without effects that those after them have made needless.
 
-    One whose interval holds zero beside the others is taken out, where the criterion rises by less
-    than `most` [1] without it.
+    One whose strengths may as well be zero beside the others is taken out, where the criterion
+    rises by less than `most` [1] without it.
 
     Source: Efroymson, in Mathematical Methods for Digital Computers (1960), stepwise regression.
     """
     spread = standing.misfit()
     for number, active in enumerate(standing.active):
         effect = effect_of(standing, active, spread)
-        if len(rounds) < 2 or not _holds_zero(effect):
+        if len(rounds) < 2 or effect.chance <= _ABSENT:
             continue
         say(f"trying without {effect.card.name}")
         less = fitted(without(standing, number), times=1)
@@ -112,16 +115,6 @@ def pruned(
             remarks.append(f"{effect.card.name} was tried, and is not needed beside the others.")
             return less, rounds[:number] + rounds[number + 1 :]
     return standing, rounds
-
-
-def _holds_zero(effect: Effect) -> bool:
-    low, high = effect.interval95
-    return low <= 0 <= high
-
-
-def _is_nothing(one: Round) -> bool:
-    """Whether all that was found is an effect that may as well be absent."""
-    return _holds_zero(one.effect)
 
 
 def _nothing(one: Round) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+from jax.flatten_util import ravel_pytree
 from scipy.stats import chi2
 
 from thermo.discover._candidate import Transition
@@ -118,15 +119,20 @@ def effect_of(standing: Standing, active: Active, spread: float) -> Effect:
     free = free_of(standing)
     slopes = standing.ended.slopes
     covariance = np.linalg.pinv(slopes.T @ slopes, hermitian=True) * spread
-    number = int(np.flatnonzero(free.number == entry.strengths[-1])[0])
-    sd = float(np.sqrt(covariance[number, number]) * free.scale[number])
+    own = [int(np.flatnonzero(free.number == one)[0]) for one in entry.strengths]
+    sd = float(np.sqrt(covariance[own[-1], own[-1]]) * free.scale[own[-1]])
     candidate = point.candidates[entry.kind]
+    strengths = np.asarray(ravel_pytree(point)[0])[entry.strengths] / free.scale[own]
+    inverse = np.linalg.pinv(covariance[np.ix_(own, own)], hermitian=True)
+    chance = float(chi2.sf(strengths @ inverse @ strengths, len(own)))
     value = float(candidate.strength[len(entry.strengths) - 1 if entry.card.joint else entry.part])
     centre, size = _place(standing, entry)
     band = candidate.place if isinstance(candidate.place, Transition) else None
     at = None if band is None else (float(band.centre[entry.part]), float(band.size[entry.part]))
     ends = np.clip([value - NORMAL * sd, value + NORMAL * sd], entry.card.low, entry.card.high)
-    return Effect(entry.card, value, sd, (float(ends[0]), float(ends[1])), centre, size, at)
+    return Effect(
+        entry.card, value, sd, (float(ends[0]), float(ends[1])), centre, size, at, chance=chance
+    )
 
 
 def with_joint_effects(rounds: list[Round], last: Standing) -> list[Round]:

@@ -22,6 +22,7 @@ class Effect:
 
     - `card`; `strength`, `sd`, `interval95`: in the card's unit.
     - `centre`: (3,) [m], `size`: [m]; None where the effect has no place.
+    - `chance`: of strengths as large by the scatter of the fit alone, all of a joint effect [1].
     - `transition`: middle and width on the scale of temperature [K], or None.
     """
 
@@ -32,6 +33,7 @@ class Effect:
     centre: Float[np.ndarray, "3"] | None
     size: float | None
     transition: tuple[float, float] | None = None
+    chance: float = field(kw_only=True)
 
 
 @final
