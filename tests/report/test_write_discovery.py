@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from verdicts import verdict
 
+from thermo.discover.candidates import LatentHeat
 from thermo.report import discovery_record, discovery_table, write_discovery
 
 WORDS = {
@@ -47,3 +49,29 @@ def test_files_and_page_are_left(tmp_path: Path) -> None:
     assert json.loads((tmp_path / "verdict.json").read_text())["effects"] == ["hidden_source"]
     page = (tmp_path / "verdict.html").read_text("utf-8")
     assert "a cup: what is missing" in page and WORDS["named"] in page
+
+
+def test_a_change_of_phase_is_told_with_its_temperature() -> None:
+    made = verdict("named")
+    (one,) = made.rounds
+    effect = replace(
+        one.effect, card=LatentHeat.card, strength=2e4, interval95=(1.8e4, 2.2e4), centre=None,
+        size=None, transition=(312.34, 4.5),
+    )  # fmt: skip
+    record = discovery_record(replace(made, rounds=[replace(one, effect=effect)]))
+    assert record["rounds"][0]["transition"] == {"temperature": 312.34, "width": 4.5}
+    assert record["rounds"][0]["location"] is None
+    told = "Missing effect: latent heat, 2e+04 J/kg [1.8e+04, 2.2e+04], at 312.3 K, over 4.5 K."
+    assert record["sentences"][0] == told
+
+
+def test_where_nothing_explains_the_gap_residuals_are_those_of_the_stated_model() -> None:
+    found = discovery_record(verdict("named"))["residuals"]["lamp"]
+    samples = len(found["points"])
+    assert max(found["by_sample"]["before"]) > 5 * max(found["by_sample"]["after"])
+    assert len(found["by_sample"]["after"]) == samples
+    assert found["by_frame"]["before"][0] == 0 < found["by_frame"]["before"][-1]
+    bare = discovery_record(verdict("none_of_mine"))["residuals"]["lamp"]
+    assert bare["by_sample"]["after"] is None and bare["by_frame"]["after"] is None
+    told = discovery_record(verdict("named"))["gap"]["lamp"]
+    assert told["before"]["changing"] == {"squares": 1584.0, "expected": 176}
