@@ -57,3 +57,14 @@ def test_bad_settings_are_refused_before_any_work(
     outcome = command("discover", f"data={block}", f"out={out}", *words)
     assert outcome.code == 2 and named in outcome.err and "remedy" in outcome.err.lower()
     assert not (out / "verdict.json").exists()
+
+
+def test_a_stopped_search_does_not_promise_to_go_on(
+    command: Command, block: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop(*_: Any, **__: Any) -> Any:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(_discover.discovery, "discover", stop)
+    outcome = command("discover", f"data={block}", f"out={tmp_path / 'out'}")
+    assert outcome.code == 130 and "the same command begins anew" in outcome.err

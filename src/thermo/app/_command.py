@@ -33,6 +33,9 @@ VERBS: Mapping[str, Callable[[Mapping[str, Any]], None]] = {
     "study": _verbs.study,
 }
 
+RESUMED = ("invert", "study")
+"""Verbs that go on where they were stopped."""
+
 STUDIES = ("paper",)
 """What can be studied."""
 
@@ -96,7 +99,8 @@ def _run(verb: str, configuration: DictConfig) -> None:
         print(f"thermo {verb}: {_refusal(verb, fault)}", file=sys.stderr)
         sys.exit(2)
     except KeyboardInterrupt:
-        print(f"thermo {verb}: stopped; the same command goes on from there", file=sys.stderr)
+        after = "goes on from there" if verb in RESUMED else "begins anew"
+        print(f"thermo {verb}: stopped; the same command {after}", file=sys.stderr)
         sys.exit(130)
 
 

@@ -63,7 +63,7 @@ def _prescribe(run: Run, space: Discretisation) -> PrescribedTemperature | None:
         inside = item.box().holds(place, slack)
         if not inside.any():
             what = "no surface node lies in the box of a prescribed temperature"
-            raise _misses(what, f"runs.{run.name}.prescribed[{number}].box", item.box())
+            raise _misses(what, f"runs.{run.name}.prescribed[{number}].box", item.box(), space)
         patch[surface[inside]] = number
     histories = tuple(
         History(jnp.asarray(item.time), jnp.asarray(item.temperature)) for item in run.prescribed
@@ -76,12 +76,13 @@ def _slack(space: Discretisation) -> float:
     return 1e-6 * float(np.linalg.norm(np.ptp(space.mesh.nodes, axis=0)))
 
 
-def _misses(what: str, where: str, box: Box) -> InputError:
+def _misses(what: str, where: str, box: Box, space: Discretisation) -> InputError:
+    low, high = space.mesh.nodes.min(0), space.mesh.nodes.max(0)
     return InputError(
         what,
         where=where,
         value=f"{box.low.tolist()} to {box.high.tolist()} m",
-        limit="a box that holds a part of the surface",
+        limit=f"a box that holds a part of the surface, {low.tolist()} to {high.tolist()} m",
         remedy="check the box's corners, in metres, against the surface",
     )
 
@@ -93,7 +94,7 @@ def _expose(run: Run, space: Discretisation) -> Float[np.ndarray, " faces"]:
         inside = box.holds(centres, _slack(space))
         if not inside.any():
             what = "no face has its centre in an insulated box"
-            raise _misses(what, f"runs.{run.name}.insulated[{number}]", box)
+            raise _misses(what, f"runs.{run.name}.insulated[{number}]", box, space)
         exposed[inside] = 0.0
     return exposed
 

@@ -190,7 +190,7 @@ def _damaged(path: Path, fault: Exception) -> InputError:
         where=str(path),
         value=f"{type(fault).__name__}: {fault}",
         limit=f"a file of format {FORMAT} that `thermo invert` or `thermo discover` wrote",
-        remedy="give the `out` folder of a finished `thermo invert` as `estimate`",
+        remedy="give the `out` folder of a finished `thermo invert` or `thermo discover`",
     )
 
 

@@ -179,6 +179,7 @@ def verdict_sentences(found: Verdict) -> list[str]:
 
 def _named(effect: Effect) -> str:
     low, high = effect.interval95
+    unit = "" if effect.card.unit == "1" else f" {effect.card.unit}"
     place = ""
     if effect.centre is not None:
         at = ", ".join(f"{1e3 * one:.1f}" for one in effect.centre)
@@ -186,7 +187,7 @@ def _named(effect: Effect) -> str:
     if effect.transition is not None:
         place = ", at {:.4g} K, over {:.2g} K".format(*effect.transition)
     return (
-        f"Missing effect: {_spoken(effect.card.name)}, {effect.strength:.4g} {effect.card.unit} "
+        f"Missing effect: {_spoken(effect.card.name)}, {effect.strength:.4g}{unit} "
         f"[{low:.4g}, {high:.4g}]{place}."
     )
 
