@@ -34,6 +34,7 @@ def searched(
         "scored": lambda *_, **__: table,
         "_alarm": lambda _: next(raised),
         "refits": lambda *_: [None],
+        "effects_first": lambda made, _: made,
         "make_round": lambda *_: next(made),
         "with_all": lambda *_: next(order),
         "with_joint_effects": lambda rounds, _: rounds,

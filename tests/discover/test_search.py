@@ -10,13 +10,13 @@ from standings import VALUES, standing
 
 from thermo.discover._candidate import Card
 from thermo.discover._entries import Entry
-from thermo.discover._rounds import evidence, share_closed, together
+from thermo.discover._rounds import effects_first, evidence, share_closed, together
 from thermo.discover._scores import Score
 from thermo.discover._search import Refit, in_order, near_best, worth_a_refit
 
 
-def refit(name: str, left: float, free: int, smooth: float = 1.0) -> Refit:
-    card = Card(name, "1", 1.0, -np.inf, np.inf, "", "", "")
+def refit(name: str, left: float, free: int, smooth: float = 1.0, *, fault: bool = False) -> Refit:
+    card = Card(name, "1", 1.0, -np.inf, np.inf, "", "", "", fault=fault)
     score = Score(Entry(0, 0, card, np.array([0])), 5.0, np.ones(1), 0.2, 1.0, 0.3, slice(0, 1))
     return Refit(score, standing(left, free, smooth))
 
@@ -108,3 +108,11 @@ def test_more_than_a_few_are_refitted_where_scores_are_alike(
 ) -> None:
     order = [replace(refit("one", 60.0, 2).score, z=size) for size in sizes]
     assert worth_a_refit(order) == order[:count]
+
+
+@pytest.mark.parametrize(("left", "first"), [(61.0, "effect"), (90.0, "fault")])
+def test_a_fault_that_explains_no_more_stands_behind_an_effect(left: float, first: str) -> None:
+    made = [refit("fault", 60.0, 3, fault=True), refit("effect", left, 3), refit("other", 200.0, 3)]
+    ordered = effects_first(made, 9.0)
+    assert names(ordered)[0] == first and sorted(names(ordered)) == sorted(names(made))
+    assert effects_first([], 9.0) == []

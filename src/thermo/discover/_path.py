@@ -10,7 +10,13 @@ from scipy.stats import chi2
 from thermo.discover._calibration import Calibration, calibration
 from thermo.discover._candidate import Candidate
 from thermo.discover._projection import projection
-from thermo.discover._rounds import effect_of, make_round, share_closed, with_joint_effects
+from thermo.discover._rounds import (
+    effect_of,
+    effects_first,
+    make_round,
+    share_closed,
+    with_joint_effects,
+)
 from thermo.discover._scores import ScoreTable, credible
 from thermo.discover._search import Say, Standing, fitted, refits, scored, with_all, without
 from thermo.discover._verdict import Effect, Round, Word
@@ -64,7 +70,7 @@ def search(begun: Standing, laws: tuple[Candidate, ...], say: Say) -> SearchPath
                 "guess and may leave as much, so that no more is read into it."
             )
             break
-        made = refits(standing, table, laws, say)
+        made = effects_first(refits(standing, table, laws, say), table.threshold**2)
         one = make_round(standing, made, table) if made else None
         if calm and one is not None and one.effect.chance > _ABSENT:
             remarks.append(_nothing(one))

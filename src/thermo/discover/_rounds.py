@@ -64,6 +64,20 @@ def together(made: list[Refit], spread: float, most: float) -> list[str]:
     return [name for name, *each in behind if min(each) < most]
 
 
+def effects_first(made: list[Refit], most: float) -> list[Refit]:
+    """Refits in their order, but an effect before a fault of the record that explains no more.
+
+    `most`: in squares, as for `together` [1].
+    """
+    if not made:
+        return made
+    as_good = together(made, made[0].standing.misfit(), most)
+    effects = [one for one in made if one.name() in as_good and not one.score.entry.card.fault]
+    if not effects:
+        return made
+    return [effects[0], *(one for one in made if one is not effects[0])]
+
+
 def share_closed(before: Standing, after: Standing) -> float:
     """Share of what is beyond noise in the smooth shapes that is gone after, 1 at the most [1].
 
