@@ -120,9 +120,11 @@ def test_a_lamp_of_another_power_is_named_by_how_much_it_is_off(
     added = load_effects(tmp_path, scene, few)
     assert [one.card.name for one in added] == ["heater_power"]
     weak = replace(scene, runs=runs)
-    again = predict(weak, tmp_path, meshing=MESHING, additions=added)["test_lamp"]
-    assert again.scores["spatial"].rmse == pytest.approx(proof.rms_after, rel=0.03)
-    bare = predict(weak, tmp_path, meshing=MESHING, additions=())["test_lamp"]
+    # Finer than a fit's, whose cells are wrong by half the noise.
+    fine = Meshing(max_nodes=6000)
+    again = predict(weak, tmp_path, meshing=fine, additions=added)["test_lamp"]
+    assert again.scores["spatial"].rmse == pytest.approx(proof.rms_after, rel=0.1)
+    bare = predict(weak, tmp_path, meshing=fine, additions=())["test_lamp"]
     assert bare.scores["spatial"].rmse > 2 * proof.rms_after
     for name, run in found.extended.runs.items():
         assert run.rmse == pytest.approx(one.rms_after[name])
