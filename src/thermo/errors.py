@@ -19,5 +19,10 @@ class InputError(ValueError):
         self.what, self.where, self.value = what, where, value
         self.limit, self.remedy = limit, remedy
         super().__init__(
-            f"{where}: {what}\n  found:  {value}\n  limit:  {limit}\n  remedy: {remedy}"
+            f"{_one_line(where)}: {what}\n  found:  {value}\n  limit:  {limit}\n  remedy: {remedy}"
         )
+
+
+def _one_line(where: str) -> str:
+    """A file's name may hold line ends, which are shown as they are written in Python."""
+    return "".join(one if one.isprintable() else repr(one)[1:-1] for one in where)

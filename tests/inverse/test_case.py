@@ -39,6 +39,25 @@ def test_a_constant_error_known_from_quiet_frames_is_taken_off(scene: Scene) -> 
     assert np.allclose(found[used], wanted[used], atol=1e-10)
 
 
+def test_without_quiet_frames_what_is_stated_of_constant_errors_stays(scene: Scene) -> None:
+    run = recorded(scene.runs["lamp"])
+    told = case(replace(run, constant_error=0.3))
+    np.testing.assert_allclose(told.errors.staying, 0.09)
+    np.testing.assert_array_equal(case(run).errors.staying, 0.0)
+    # What is left in the readings is not pinned by quiet frames.
+    assert not np.any(told.pinned)
+
+
+def test_an_error_that_quiet_frames_tell_is_not_stated_as_well(scene: Scene) -> None:
+    run = scene.runs["lamp"]
+    samples = len(run.recording.points)
+    quiet = run.initial_temperature + 0.01 * np.resize([1.0, -1.0], 5)[:, None] + np.zeros(samples)
+    with pytest.raises(InputError, match="beside quiet frames"):
+        replace(recorded(run, quiet=quiet), constant_error=0.3)
+    pinned = np.asarray(case(recorded(run, quiet=quiet)).pinned)
+    np.testing.assert_array_equal(pinned, 1.0)
+
+
 def test_two_quiet_frames_are_too_few_for_an_offset(scene: Scene) -> None:
     run = scene.runs["lamp"]
     samples = len(run.recording.points)

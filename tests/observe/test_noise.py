@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from thermo.observe import Noise, Recording, estimate_noise
+from thermo.observe import Noise, Recording, estimate_noise, variance_error
 
 
 def noisy(
@@ -94,3 +94,18 @@ def test_noise_is_never_zero() -> None:
 
 def test_total_adds_variances() -> None:
     assert Noise(white=0.03, offset=0.04).total() == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize(
+    ("correlation", "quiet"), [(0.0, True), (0.3, True), (0.5, True), (0.0, False)]
+)
+def test_how_far_the_variance_may_be_off_is_how_far_it_scatters(
+    correlation: float, quiet: bool
+) -> None:
+    drawn = [
+        noisy(0.05, 0.0, correlation, seed=seed, quiet=quiet, frames=100, samples=20)
+        for seed in range(150)
+    ]
+    variances = np.array([estimate_noise(one).white ** 2 for one in drawn])
+    told = variance_error(drawn[0])
+    assert told == pytest.approx(np.std(variances) / np.mean(variances), rel=0.35)

@@ -42,9 +42,12 @@ def drawn_heater(draw: st.DrawFn) -> Heater:
     direction = draw(vectors(METRES).filter(lambda vector: np.abs(vector).max() > 0))
     return Heater(
         draw(vectors(METRES)), direction, draw(POSITIVE), draw(POSITIVE), draw(POSITIVE),
-        draw(st.floats(0, 10)), Course([0.0, 7.0], [draw(POSITIVE), 0.0]) if draw(st.booleans())
-        else None,
+        draw(st.floats(0, 10)), drawn_course(draw) if draw(st.booleans()) else None,
     )  # fmt: skip
+
+
+def drawn_course(draw: st.DrawFn) -> Course:
+    return Course([0.0, 7.0], [draw(st.floats(1e-6, 10)), 0.0])
 
 
 def drawn_box(draw: st.DrawFn) -> Box:
@@ -68,6 +71,7 @@ def drawn_run(draw: st.DrawFn, name: str) -> Run:
         name, recording, draw(KELVIN), draw(KELVIN), draw(KELVIN), heater,
         draw(st.booleans()), tuple(drawn_history(draw) for _ in range(draw(st.integers(0, 2)))),
         tuple(drawn_box(draw) for _ in range(draw(st.integers(0, 2)))),
+        draw(st.floats(0, 5)),
     )  # fmt: skip
 
 

@@ -26,6 +26,7 @@ class Case(eqx.Module):
     - `time`: (frames,) [s]; `data`: (frames, samples) [K].
     - `used`: 1 where there is a valid value, else 0 [1].
     - `errors`: of the readings; `trust`: what whitened residuals are multiplied by [1].
+    - `pinned`: 1 where a sample's constant error was taken off by its quiet frames, else 0 [1].
     - `defect`: what is added to the simulation for its cells and steps, (frames, samples) [K].
     - `shared`: what they may still make wrong in all readings at once, whitened, (frames, samples)
       [1]; zero where nothing is added.
@@ -41,6 +42,7 @@ class Case(eqx.Module):
     used: Float[Array, "*runs frames samples"]
     errors: ReadingErrors
     trust: Float[Array, "*runs"]
+    pinned: Float[Array, "*runs samples"]
     defect: Float[Array, "*runs frames samples"]
     shared: Float[Array, "*runs frames samples"]
     between: Float[Array, "*runs frames ends"] | None = None
@@ -53,15 +55,26 @@ class Case(eqx.Module):
 def constant_error(
     run: Run, noise: Noise
 ) -> tuple[Float[np.ndarray, " samples"], Float[np.ndarray, " samples"]]:
-    """Constant error [K] of each sample, from its quiet frames, and the variance of that [K2]."""
+    """Constant error [K] of each sample, from its quiet frames, and the variance of that [K2].
+
+    Without quiet frames it is not known, and its variance is what the run states.
+    """
     quiet, samples = run.recording.quiet, len(run.recording.points)
-    if quiet is None or len(quiet) < 3:
-        return np.zeros(samples), np.zeros(samples)
+    if quiet is None or not run.recording.knows_quiet():
+        return np.zeros(samples), np.full(samples, run.constant_error**2)
     known = np.isfinite(quiet)
     count = np.maximum(known.sum(0), 1)
     error = np.where(known, quiet - run.initial_temperature, 0.0).sum(0) / count
     # A sample that is never seen quiet keeps its values, and an error as the others have it.
     return error, np.where(known.any(0), noise.mean_variance(count), noise.offset**2)
+
+
+def pinned(run: Run) -> Float[np.ndarray, " samples"]:
+    """1 where `constant_error` takes a sample's constant error off, else 0 [1]."""
+    quiet = run.recording.quiet
+    if quiet is None or not run.recording.knows_quiet():
+        return np.zeros(len(run.recording.points))
+    return np.isfinite(quiet).any(0).astype(float)
 
 
 def make_case(
@@ -103,7 +116,7 @@ def make_case(
     )
     used = jnp.asarray(recording.valid[frames], float)
     time = jnp.asarray(grid.frame_time, float)
-    read = (time, data, used, errors, jnp.asarray(1.0, float))
+    read = (time, data, used, errors, jnp.asarray(1.0, float), jnp.asarray(pinned(run)))
     none = (jnp.zeros(data.shape), jnp.zeros(data.shape))
     under = conditions(run, space)
     if steps is None:
@@ -148,6 +161,7 @@ def _pad_case(case: Case, steps: int, ends: int, frames: int, samples: int) -> C
         jnp.asarray(_pad(_pad(values, frames, 0, edge=False), samples, 1, edge=False))
         for values in (case.used, case.defect, case.shared)
     )
+    held = jnp.asarray(_pad(case.pinned, samples, 0, edge=True))
     errors = ReadingErrors(
         own=jnp.asarray(_pad(_pad(case.errors.own, frames, 0, edge=True), samples, 1, edge=True)),
         fading=case.errors.fading,
@@ -158,7 +172,7 @@ def _pad_case(case: Case, steps: int, ends: int, frames: int, samples: int) -> C
     if between is not None:
         between = jnp.asarray(_pad(_pad(between, frames, 0, edge=False), ends, 1, edge=False))
     time = jnp.asarray(_pad(case.time, frames, 0, edge=True))
-    read = (time, jnp.asarray(data), used, errors, case.trust, defect, shared)
+    read = (time, jnp.asarray(data), used, errors, case.trust, held, defect, shared)
     return Case(case.under, grid, readout, *read, between)
 
 

@@ -63,10 +63,10 @@ def defects(
     ]
 
 
-def finer_mesh(task: Task, ready: Ready) -> Mesh:
-    """The mesh [m] that a fit's own is measured against."""
+def finer_mesh(task: Task, ready: Ready, finer: float = FINER) -> Mesh:
+    """The mesh [m] that a fit's own is measured against, or one so much `finer` than that [1]."""
     diffusivity = ready.stated.of("diffusivity")
-    return make_mesh(task.scene, surface_of(task.scene), diffusivity, task.meshing, finer=FINER)
+    return make_mesh(task.scene, surface_of(task.scene), diffusivity, task.meshing, finer=finer)
 
 
 def finer_readings(

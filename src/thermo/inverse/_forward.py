@@ -12,6 +12,7 @@ from jaxtyping import Float
 
 from thermo.inverse._addition import Addition, extend, read_as
 from thermo.inverse._body import of_order
+from thermo.inverse._case import pinned
 from thermo.inverse._conditions import conditions, make_model
 from thermo.inverse._properties import Properties
 from thermo.inverse._side_by_side import solve_each
@@ -163,11 +164,11 @@ def _each(
         extend(make_model(space, bodies[name], under), under, additions) for name in different
     ]
     ends, time = np.asarray(grid.frame_time), run.recording.time
-    # As `constant_error` has it: fewer quiet frames do not tell what a sample's error is.
-    quiet = run.recording.quiet
-    pinned = jnp.asarray(float(quiet is not None and len(quiet) >= 3))
+    # The body's corners, where they are read after the samples, have no error of their own.
+    known = pinned(run)
+    held = jnp.asarray(np.pad(known, (0, len(readout.nodes) - len(known))))
     found = {}
     for name, values in zip(different, solve_each(models, under, grid, readout), strict=True):
         at = jnp.asarray(between_steps(ends, values, time, run.switches()))
-        found[name] = np.asarray(read_as(at, jnp.asarray(time), under, pinned, additions))
+        found[name] = np.asarray(read_as(at, jnp.asarray(time), under, held, additions))
     return {name: found[other] for name, other in like.items()}

@@ -149,8 +149,7 @@ def case_temperatures(
         adjoint=adjoint,
     ).temperature
     body_at = temperature if case.between is None else case.between @ temperature
-    pinned = (case.errors.staying > 0).astype(body_at.dtype)
-    return read_as(body_at, case.time, case.under, pinned, additions) + case.defect
+    return read_as(body_at, case.time, case.under, case.pinned, additions) + case.defect
 
 
 def data_residual(

@@ -106,7 +106,7 @@ class Task:
             held = (run.recording, run.heater, run.prescribed, run.insulated)
             leaves = [np.ascontiguousarray(leaf) for leaf in jax.tree.leaves(held)]
             shapes = [leaf.shape for leaf in leaves]
-            layout = (run.name, around, str(jax.tree.structure(held)), shapes)
+            layout = (run.name, around, run.constant_error, str(jax.tree.structure(held)), shapes)
             digest.update(repr(layout).encode())
             for leaf in leaves:
                 digest.update(leaf.tobytes())

@@ -14,7 +14,7 @@ from ._course import Course
 from ._distance import check_distance
 from ._heater import Heater
 from ._kelvin import COLDEST, HOTTEST
-from ._noise import Noise, estimate_noise
+from ._noise import Noise, estimate_noise, variance_error
 from ._prescribed import Prescribed, read_history
 from ._quiet_check import QuietCheck, check_quiet
 from ._recording import Recording
@@ -49,6 +49,7 @@ __all__ = [
     "read_recording",
     "read_scene",
     "seen_from",
+    "variance_error",
     "with_camera_noise",
     "without_spikes",
     "write_recording",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import Final, final
 
 import equinox as eqx
 import numpy as np
@@ -14,6 +14,9 @@ from thermo.errors import InputError
 from ._number import real_array
 from ._recording import check_time
 
+# No lamp gives more than this over what is stated of it [1].
+_MOST: Final = 10.0
+
 
 @final
 class Course(eqx.Module):
@@ -22,11 +25,11 @@ class Course(eqx.Module):
     Arguments:
 
     - `time`: (points,) [s], increasing.
-    - `share`: (points,) of the stated power [1].
+    - `share`: (points,) of the stated power, two or more [1].
     - `where`: what messages call this course.
 
     Raises `InputError` for time that does not increase, shapes that do not fit, and shares that
-    are not finite, negative, or all zero.
+    are not finite, negative, all zero, or per cent.
     """
 
     time: Float[np.ndarray, " points"]
@@ -42,10 +45,12 @@ class Course(eqx.Module):
                 remedy="give as many shares as times",
             )  # fmt: skip
         sound = np.isfinite(self.share).all() and (self.share >= 0).all()
+        sound = sound and self.share.max() <= _MOST
         if not (sound and self.share.any()):
             raise InputError(
                 "a share of the power is out of range", where=f"{where}.share",
                 value=f"{self.share.min():g} to {self.share.max():g}",
-                limit="finite, at least 0, and above 0 at some time",
-                remedy='give what was logged over `power`; without a lamp write "heater": null',
+                limit=f"finite, at least 0, at most {_MOST:g}, and above 0 at some time",
+                remedy="give what was logged over `power`, as a fraction and not per cent; "
+                'without a lamp write "heater": null',
             )  # fmt: skip

@@ -36,7 +36,7 @@ class Heater(eqx.Module):
     - `where`: what messages call this heater.
 
     Raises `InputError` for anything that is not finite, a zero direction, a radius or power that
-    is not positive, and negative times.
+    is not positive, negative times, and a course that begins when the lamp is off.
     """
 
     centre: Float[np.ndarray, "3"]
@@ -79,7 +79,17 @@ class Heater(eqx.Module):
             rise, where=f"{where}.rise", quantity="time constant of the lamp [s]", least=0.0,
             remedy="give seconds, or 0 for a lamp that switches at once",
         )  # fmt: skip
-        self.course = course
+        self.course = _while_on(course, self.until, f"{where}.course.time")
+
+
+def _while_on(course: Course | None, until: float, where: str) -> Course | None:
+    if course is not None and course.time[0] >= until:
+        raise InputError(
+            "the course of the lamp begins when it is off", where=where,
+            value=f"{course.time[0]:g} s", limit=f"below {until:g} s, `until`",
+            remedy="give what was logged while the lamp was on, in seconds after the start",
+        )  # fmt: skip
+    return course
 
 
 def _unit(direction: object, where: str) -> np.ndarray:

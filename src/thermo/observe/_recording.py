@@ -63,6 +63,10 @@ class Recording(eqx.Module):
         self.temperature = _filled(measured, self.valid)
         self.quiet = None if quiet is None else _quiet(quiet, len(self.points), where)
 
+    def knows_quiet(self) -> bool:
+        """Whether there are enough quiet frames, three, to tell noise and constant errors [K]."""
+        return self.quiet is not None and len(self.quiet) >= 3
+
 
 def check_time(
     time: object, *, where: str, earliest: float | None = 0.0, least_frames: int = 2

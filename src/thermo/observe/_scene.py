@@ -31,6 +31,9 @@ QUANTITIES: Final = (
 UNITS: Final = ("m", "cm", "mm", "inch")
 """Units in which a surface file can be."""
 
+_OFF: Final = 20.0
+"""A sample that is further off all the time measures nothing [K]."""
+
 _RUN_NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
 
 
@@ -84,14 +87,16 @@ class Run:
     - `radiation_temperature`: of the surroundings that radiate, from t = 0 on [K].
     - `heater`: the lamp, or None.
     - `held_out`: never fitted, only predicted.
+    - `constant_error`: standard deviation of what each sample reads wrong all the time [K], where
+      the recording has no quiet frames to tell it from.
     - `prescribed`: measured histories that hold on parts of the surface. Each must cover the
         frames of the recording.
     - `insulated`: faces whose centre lies in one of these exchange nothing with air and
         surroundings.
     - `where`: what messages call this run.
 
-    Raises `InputError` for temperatures that cannot be kelvin, an unusable name, or a history
-    that ends before the recording does.
+    Raises `InputError` for temperatures that cannot be kelvin, an unusable name, a history that
+    ends before the recording does, or a `constant_error` that is negative or has no effect.
     """
 
     name: str
@@ -103,6 +108,7 @@ class Run:
     held_out: bool = False
     prescribed: tuple[Prescribed, ...] = ()
     insulated: tuple[Box, ...] = ()
+    constant_error: float = 0.0
     where: InitVar[str] = "run"
 
     def __post_init__(self, where: str) -> None:
@@ -113,6 +119,7 @@ class Run:
                 getattr(self, key), where=f"{where}.{key}", quantity=quantity
             )
             object.__setattr__(self, key, number)  # a whole number becomes a float
+        object.__setattr__(self, "constant_error", _constant_error(self, where))
         first, last = float(self.recording.time[0]), float(self.recording.time[-1])
         for number, history in enumerate(self.prescribed):
             if history.time[0] > first or history.time[-1] < last:
@@ -182,6 +189,21 @@ class Scene:
                 "no runs", where=f"{where}: runs", value="an empty table",
                 limit="at least one run", remedy="add a run with its recording and temperatures",
             )  # fmt: skip
+
+
+def _constant_error(run: Run, where: str) -> float:
+    place = f"{where}.constant_error"
+    deviation = check_number(
+        run.constant_error, where=place, quantity="constant error of a sample [K]", least=0.0,
+        most=_OFF, remedy="give its standard deviation in kelvin; a couple's is some tenths",
+    )  # fmt: skip
+    if deviation > 0.0 and run.recording.knows_quiet():
+        raise InputError(
+            "a constant error is stated beside quiet frames", where=place, value=f"{deviation:g} K",
+            limit="0 where the recording has three quiet frames or more, which tell it",
+            remedy="remove `constant_error`, or the recording's `quiet`",
+        )  # fmt: skip
+    return deviation
 
 
 def check_run_name(name: str, where: str) -> None:

@@ -26,7 +26,9 @@ _OPTIONAL = ("object", "unit", "unknown", "prior", "truth", "description", "note
 _RUN_REQUIRED = (
     "recording", "initial_temperature", "ambient_temperature", "radiation_temperature",
 )  # fmt: skip
-_RUN_OPTIONAL = ("heater", "held_out", "prescribed", "insulated", "description", "notes")
+_RUN_OPTIONAL = (
+    "heater", "held_out", "prescribed", "insulated", "constant_error", "description", "notes",
+)  # fmt: skip
 _HEATER = ("centre", "direction", "radius", "power", "until")
 
 
@@ -44,7 +46,8 @@ def read_scene(folder: Path | str) -> Scene:
     - `unknown`*: what a fit recovers by default, names from `QUANTITIES`.
     - `prior`*: `QUANTITY_relative_sd`, relative standard deviation of a stated value.
     - `runs.NAME`: `recording` (file), `initial_temperature`, `ambient_temperature`,
-        `radiation_temperature` [K], `heater`*, `held_out`*, `prescribed`*, `insulated`*.
+        `radiation_temperature` [K], `heater`*, `held_out`*, `prescribed`*, `insulated`*,
+        `constant_error`* [K].
     - `runs.NAME.heater`: null, or `centre`, `direction`, `radius`, `power`, `until`, `rise`*,
         `kind`* (only `spot`), `course`* with `time` [s] and `share` (1); see `Heater`.
     - `runs.NAME.insulated`: a list of boxes [[x, y, z], [x, y, z]] [m]; see `Run`.
@@ -134,6 +137,7 @@ def _run(section: Section, name: str) -> Run:
         held_out=section.flag("held_out", False),
         prescribed=tuple(_prescribed(section, number) for number in histories),
         insulated=tuple(_insulated(section)),
+        constant_error=section.number_or_null("constant_error") or 0.0,
         recording=read_recording(section.file.parent / section.text("recording")),
         where=section.where(),
     )

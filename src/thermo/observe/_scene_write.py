@@ -104,6 +104,8 @@ def _write_run(stage: Path, name: str, run: Run) -> dict[str, Any]:
         table["prescribed"] = histories
     if run.insulated:
         table["insulated"] = [_corners(box) for box in run.insulated]
+    if run.constant_error:
+        table["constant_error"] = run.constant_error
     return table
 
 
