@@ -38,6 +38,7 @@ def test_what_is_asked_is_handed_on_and_the_verdict_is_left(
     assert found["effects"] == ["hidden_source"] and found["object"] == "block"
     assert found["configuration"]["runs"] == ["lamp"] and found["seconds"] >= 0
     assert "Missing effect: hidden source" in outcome.out and "meshing" in outcome.err
+    assert outcome.out.rstrip().endswith(f"{out}: verdict.json, verdict.html, estimate.npz")
     assert (out / "verdict.html").stat().st_size > 1e6
 
 

@@ -92,6 +92,9 @@ def test_where_nothing_is_missing_nothing_is_named(scene: Scene) -> None:
     proof = found.held_out["test_lamp"]
     assert proof.rms_before == pytest.approx(proof.rms_after) and proof.gap_closed is None
     assert proof.rms_after == pytest.approx(NOISE, rel=0.1)
+    assert min(one.slow for one in found.traces[0].values()) > 1e-3
+    assert set(found.traces[0]["lamp"].inputs) == {"lamp", "temperature"}
+    assert set(found.traces[0]["cooling"].inputs) == {"temperature"}
     # What could not have been missed is far below what another case hides.
     least, unit = found.missed["heater_power"]
     assert least is not None and least < 0.1 and unit == "1"
@@ -115,6 +118,9 @@ def test_a_lamp_of_another_power_is_named_by_how_much_it_is_off(
     assert proof.gap_closed is not None and proof.gap_closed > 0.95
     assert proof.rms_after == pytest.approx(NOISE, rel=0.1)
     assert found.omnibus[0] < 1e-6 < found.omnibus[1]
+    before, after = (one["lamp"].inputs["lamp"] for one in found.traces)
+    assert before.p_value == 0.0 and abs(before.score) > 10
+    assert after.p_value > 1e-3 and abs(after.score) < 5
     # What is left in the folder predicts as the verdict says.
     write_discovery(tmp_path, found, discovery_record(found) | {"object": "block", "seconds": 1.0})
     added = load_effects(tmp_path, scene, few)

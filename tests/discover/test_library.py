@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from lit_box import LAMP, SIZE, STATED, run
 
-from thermo.discover import Setting, Transition, library
+from thermo.discover import Place, Setting, Transition, library
 from thermo.inverse._addition import AbstractHeatAddition
 from thermo.inverse._conditions import conditions, make_model
 from thermo.inverse._properties import properties
@@ -28,7 +28,7 @@ HEAT = [one.card.name for one in library(setting(COARSE)) if isinstance(one, Abs
 
 
 def test_every_candidate_is_absent_and_has_a_name_of_its_own() -> None:
-    found = library(setting(COARSE))
+    found = library(replace(setting(COARSE), unknown=("convection",)))
     assert len({one.card.name for one in found}) == len(found) == 19
     assert all(not np.any(np.asarray(one.strength)) for one in found)
     for one in found:
@@ -39,6 +39,18 @@ def test_every_candidate_is_absent_and_has_a_name_of_its_own() -> None:
             centres = np.asarray(one.place.centre)
             assert np.all((centres > -1e-12) & (centres < np.array(SIZE) + 1e-12))
             assert len(np.unique(centres.round(9), axis=0)) == len(centres) == 32
+
+
+def test_convection_may_be_wrong_all_over_where_it_is_not_fitted() -> None:
+    known, fitted = (
+        next(one for one in library(each) if one.card.name == "local_convection")
+        for each in (setting(COARSE), replace(setting(COARSE), unknown=("scaled_convection",)))
+    )
+    assert (
+        isinstance(known.place, Place) and len(known.strength) == 33 and len(fitted.strength) == 32
+    )
+    everywhere = np.asarray(known.place.shapes(jnp.asarray(COARSE.nodes))[-1])
+    assert everywhere.min() > 0.9
 
 
 def largest(name: str, mesh: Mesh) -> int:

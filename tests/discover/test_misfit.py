@@ -20,7 +20,7 @@ def blocks() -> list[Block]:
         count = FRAMES * SAMPLES
         part = slice(number * count, (number + 1) * count)
         modes = time_modes(FRAMES), space_modes(points)
-        found.append(Block(name, part, (FRAMES, SAMPLES), *modes, 0.0))
+        found.append(Block(name, part, (FRAMES, SAMPLES), *modes, 0.0, 1.05))
     return found
 
 

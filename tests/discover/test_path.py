@@ -6,15 +6,22 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
-from standings import standing
+from standings import VALUES, standing
 from verdicts import one_round
 
-from thermo.discover import Calibration, Round, _path
+from thermo.discover import Calibration, Place, Round, _path
+from thermo.discover._bench import Bench
+from thermo.discover._entries import Entry
+from thermo.discover._extended import Extended
 from thermo.discover._path import SearchPath, search
-from thermo.discover._scores import ScoreTable
-from thermo.discover.candidates import CameraDrift
+from thermo.discover._scores import Score, ScoreTable
+from thermo.discover.candidates import CameraDrift, HiddenSource
+from thermo.inverse import Ready
+
+PLACE = Place(jnp.zeros((1, 3)), jnp.ones(1))
 
 
 def found(low: float, high: float, closed: float) -> Round:
@@ -23,7 +30,12 @@ def found(low: float, high: float, closed: float) -> Round:
 
 
 def searched(
-    monkeypatch: pytest.MonkeyPatch, left: Sequence[float], rounds: Sequence[Round], alarms: int
+    monkeypatch: pytest.MonkeyPatch,
+    left: Sequence[float],
+    rounds: Sequence[Round],
+    alarms: int,
+    *,
+    place: bool = False,
 ) -> SearchPath:
     """A search whose standings leave so much, with so many alarms by scores."""
     standings = [standing(told + 50.0, 2, smooth=told) for told in left]
@@ -34,10 +46,15 @@ def searched(
         "scored": lambda *_, **__: table,
         "_alarm": lambda _: next(raised),
         "refits": lambda *_: [None],
-        "effects_first": lambda made, _: made,
+        "put_first": lambda made, _: made,
         "make_round": lambda *_: next(made),
         "with_all": lambda *_: next(order),
-        "with_joint_effects": lambda rounds, _: rounds,
+        "_out_of_reach": lambda *_: False,
+        "placed": lambda made: place and made is not standings[0],
+        "on_small_cells": lambda made, rounds, *_: (made, rounds),
+        "with_doubt": lambda made, _: made,
+        "undoubted": lambda made, _: made,
+        "with_joint_effects": lambda rounds, *_: rounds,
         "calibrated": lambda *_: Calibration(np.ones(9), 0.04, 0.01, 0.05),
     }
     for name, fake in fakes.items():
@@ -70,6 +87,16 @@ def test_a_second_effect_that_may_be_nothing_ends_the_search(
     rounds = [found(0.1, 0.5, 0.9), found(-1.0, 1.0, 0.9)]
     path = searched(monkeypatch, [5000.0, 1.5], rounds, alarms=2)
     assert path.word == "named" and len(path.rounds) == 1 and len(path.remarks) == 1
+
+
+@pytest.mark.parametrize(("left", "count"), [(1.5, 1), (500.0, 2)])
+def test_beside_a_place_a_score_alone_is_no_alarm(
+    monkeypatch: pytest.MonkeyPatch, left: float, count: int
+) -> None:
+    rounds = [found(0.1, 0.5, 0.9), found(0.2, 0.3, 0.9)]
+    path = searched(monkeypatch, [5000.0, left, 1.0], rounds, alarms=2, place=True)
+    assert path.word == "named" and len(path.rounds) == count
+    assert ("smooth shapes are quiet" in " ".join(path.remarks)) == (count == 1)
 
 
 def test_a_fault_of_the_record_is_told_of_and_not_named(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -110,3 +137,71 @@ def test_an_effect_that_others_make_needless_is_taken_out(monkeypatch: pytest.Mo
 def test_one_without_which_the_fit_is_worse_stays(monkeypatch: pytest.MonkeyPatch) -> None:
     kept, remarks = pruned_to(monkeypatch, 160.0)
     assert len(kept) == 2 and remarks == []
+
+
+def table_of(z: float) -> ScoreTable:
+    card = CameraDrift.card
+    one = Score(Entry(0, 0, card, np.array([0])), z, np.ones(1), 0.2, 1.0, 0.3, slice(0, 1))
+    return ScoreTable([one], [], 3.4, np.eye(1), np.zeros((VALUES, 1)))
+
+
+@pytest.mark.parametrize(
+    ("left", "z", "far"),
+    [(VALUES * 5.0, 5.0, True), (VALUES * 5.0, -7.0, False), (VALUES * 1.04, 0.1, False)],
+)
+def test_what_no_score_reaches_is_not_refitted(left: float, z: float, far: bool) -> None:
+    # Of 160 beyond noise a score of 7 shows 49, and one of 5 no more than 25.
+    assert _path._out_of_reach(standing(left, 2), table_of(z)) is far
+
+
+def small_cells(
+    monkeypatch: pytest.MonkeyPatch,
+    smooth: float,
+    place: Place | None,
+    *,
+    again: bool = False,
+    edge: float = 0.5,
+) -> list[str]:
+    """What is said where an effect of size one leaves so much in smooth shapes."""
+    began, now = (standing(60.0, 2, smooth, (("hidden_source", 0),)) for _ in range(2))
+    for one, ready in ((began, object.__new__(Ready)), (now, object.__new__(Ready))):
+        bench = object.__new__(Bench)
+        object.__setattr__(bench, "ready", ready)
+        object.__setattr__(one, "bench", bench)
+        source = HiddenSource(jnp.zeros(1), PLACE)
+        object.__setattr__(one, "point", Extended({}, (source,)))
+        object.__setattr__(one, "first", {"hidden_source": source})
+    if not again:
+        object.__setattr__(now, "bench", began.bench)
+    if place is None:
+        object.__setattr__(now, "point", Extended({}, (CameraDrift(jnp.zeros(1)),)))
+        object.__setattr__(now, "active", (("camera_drift", 0),))
+    sizes = iter([{"lamp": 0.2}, {"lamp": 0.05}])
+    fakes: dict[str, Any] = {
+        "resolved": lambda bench: bench,
+        "edge_of": lambda bench: edge,
+        "fitted": lambda made, **_: made,
+        "rms": lambda _: next(sizes),
+    }
+    for name, fake in fakes.items():
+        monkeypatch.setattr(_path, name, fake)
+    remarks: list[str] = []
+    _, rounds = _path.on_small_cells(
+        now, [found(0.1, 0.5, 0.7)], began, standing(900.0, 1, 600.0), remarks
+    )  # fmt: skip
+    if remarks:
+        assert rounds[0].rms_after == {"lamp": 0.05}
+        # Of 599 beyond noise in one smooth shape that is left.
+        assert rounds[0].closed == pytest.approx((600 - smooth) / 599)
+    return remarks
+
+
+def test_cells_are_made_smaller_once_about_a_place_that_leaves_a_misfit(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    (told,) = small_cells(monkeypatch, 40.0, PLACE)
+    assert "beside hidden_source: lamp 0.2 to 0.05 K" in told
+    assert small_cells(monkeypatch, 40.0, PLACE, again=True) == []
+    assert small_cells(monkeypatch, 1.0, PLACE) == [], "nothing is left"
+    assert len(small_cells(monkeypatch, 1.0, PLACE, edge=1.1)) == 1, "cells are too large for it"
+    assert small_cells(monkeypatch, 40.0, None) == [], "no place is at work"

@@ -10,7 +10,7 @@ from standings import VALUES, standing
 
 from thermo.discover._candidate import Card
 from thermo.discover._entries import Entry
-from thermo.discover._rounds import effects_first, evidence, share_closed, together
+from thermo.discover._rounds import evidence, share_closed, simplest_first, together
 from thermo.discover._scores import Score
 from thermo.discover._search import Refit, in_order, near_best, worth_a_refit
 
@@ -67,6 +67,13 @@ def test_what_explains_as_much_stays_beside_the_best_however_free_it_was() -> No
     assert together(made, 1.0, 9.0) == ["many", "few"] and together(made, 1.0, 7.0) == ["many"]
 
 
+def test_of_those_that_explain_as_much_the_simplest_is_put_to_work() -> None:
+    made = in_order([refit("many", 40.0, 6), refit("few", 48.0, 3), refit("least", 90.0, 2)])
+    assert names(made) == ["many", "few", "least"]
+    assert names(simplest_first(made, 9.0)) == ["few", "many", "least"]
+    assert names(simplest_first(made, 1.0)) == ["many", "few", "least"]
+
+
 def test_at_most_three_are_measured_anew() -> None:
     made = in_order([refit(f"n{number}", 50.0 + number, 3) for number in range(6)])
     assert names(near_best(standing(500.0, 2).ended, made)) == ["n0", "n1", "n2"]
@@ -113,6 +120,6 @@ def test_more_than_a_few_are_refitted_where_scores_are_alike(
 @pytest.mark.parametrize(("left", "first"), [(61.0, "effect"), (90.0, "fault")])
 def test_a_fault_that_explains_no_more_stands_behind_an_effect(left: float, first: str) -> None:
     made = [refit("fault", 60.0, 3, fault=True), refit("effect", left, 3), refit("other", 200.0, 3)]
-    ordered = effects_first(made, 9.0)
+    ordered = simplest_first(made, 9.0)
     assert names(ordered)[0] == first and sorted(names(ordered)) == sorted(names(made))
-    assert effects_first([], 9.0) == []
+    assert simplest_first([], 9.0) == []

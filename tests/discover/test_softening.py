@@ -49,6 +49,7 @@ def block(name: str, begin: int, frames: int, samples: int, spread: float) -> Bl
         time_modes(frames),
         space_modes(points),
         1 - 1 / np.sqrt(1 + spread),
+        1.05,
     )
 
 

@@ -59,6 +59,12 @@ def squares(changing: float) -> dict[str, Any]:
     return {name: {"squares": one, "expected": count} for name, (one, count) in sizes.items()}
 
 
+def over_time(score: float, chance: float) -> dict[str, Any]:
+    """Of a run, how far what is left follows its lamp."""
+    lamp = {"score": score, "lag_s": 1.5, "p_value": chance}
+    return {"slow_p_value": 0.37, "follows": {"lamp": lamp}}
+
+
 def record(verdict: str, **more: Any) -> dict[str, Any]:
     """What `verdict.json` holds, made by hand, as JSON gives it back."""
     rounds = {
@@ -68,7 +74,9 @@ def record(verdict: str, **more: Any) -> dict[str, Any]:
         "no_gap": [],
     }[verdict]
     other = {"rms_before": 0.9, "rms_after": 0.0612, "noise": 0.0498, "gap_closed": 0.981}
+    other["gap_closed_interval95"] = [0.961, 0.993]
     calm = {"rms_before": 0.05, "rms_after": 0.05, "noise": 0.05, "gap_closed": None}
+    calm["gap_closed_interval95"] = None
     made = {
         "verdict": verdict, "sentences": [f"It is {verdict}, <i>so</i>.", "On other it falls."],
         "effects": [rounds[0]["best"]] if verdict in ("named", "inseparable") else [],
@@ -82,6 +90,7 @@ def record(verdict: str, **more: Any) -> dict[str, Any]:
         "p_value": {"without": 0.0, "with": 0.42},
         "could_have_missed": {"void": {"strength": None, "unit": "1"},
                               "heater_lag": {"strength": 0.567, "unit": "s"}},
+        "over_time": {"lamp": {"before": over_time(-17.25, 0.0), "after": over_time(1.31, 0.62)}},
         "gap": {"lamp": {"before": squares(5432.1), "after": squares(201.5)}},
         "residuals": {"lamp": {
             "points": [[0.0, 0.0, 0.0], [0.01, 0.0, 0.0], [0.0, 0.02, 0.0]], "time": [0.0, 1.0],
@@ -142,10 +151,11 @@ def test_the_page_is_whole_and_asks_for_nothing(verdict: str) -> None:
     assert f'<p class="said lead {verdict}">It is {verdict}, &lt;i&gt;so&lt;/i&gt;.</p>' in page
     assert '<p class="said more">On other it falls.</p>' in page
     cells = set(checker.cells)
-    assert {"0.9", "0.0612", "0.0498", "98.1 %", "nothing to close"} <= cells
+    assert {"0.9", "0.0612", "0.0498", "98.1 % [96.1 %, 99.3 %]", "nothing to close"} <= cells
     assert {"conductivity", "0.25 W/m/K", "0.2 W/m/K", "-20 %"} <= cells
     assert {"void", "nothing could be seen", "0.567 s"} <= cells
     assert {"changing", "176", "5432", "201.5"} <= cells
+    assert {"the lamp", "-17.2 (1.5 s)", "1.3 (1.5 s)", "0.62", "0.37"} <= cells
     assert "4.9 % raise an alarm: 4.1 % by a score and 1.0 % by smooth shapes" in page
     assert {"0.051", "0.0071", "0.049", "0.0012"} <= cells
 

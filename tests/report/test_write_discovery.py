@@ -15,7 +15,8 @@ from thermo.report import discovery_record, discovery_table, write_discovery
 WORDS = {
     "named": "Missing effect: hidden source, 1.25 W [1.211, 1.289], at (10.0, 0.0, 4.0) mm.",
     "inseparable": "Cannot tell hidden source from sensor lag. What would: a run without a lamp",
-    "none_of_mine": "explains it; the closest is hidden source, which closes 40 %",
+    "none_of_mine": "explains it; the closest is hidden source, which closes 40 % of it. What was "
+    "fitted, conductivity, bends to it, and is no measurement.",
     "no_gap": "No gap: simulation and readings differ by no more than noise and numerics.",
 }  # fmt: skip
 
@@ -40,6 +41,11 @@ def test_the_contract_of_a_round() -> None:
     record = discovery_record(verdict("named"))
     assert record["could_have_missed"]["void"] == {"strength": None, "unit": "1"}
     assert record["held_out"]["other"]["gap_closed"] == 0.97
+    lamp = record["over_time"]["lamp"]
+    assert lamp["before"]["follows"]["lamp"] == {"score": -8.0, "lag_s": 1.5, "p_value": 0.0}
+    assert lamp["after"]["slow_p_value"] == 0.25
+    assert record["over_time"]["cooling"]["after"] == {"slow_p_value": 0.6, "follows": {}}
+    assert record["held_out"]["other"]["gap_closed_interval95"] == [0.95, 0.98]
     assert "hidden_source" in discovery_table(record)
 
 

@@ -9,11 +9,13 @@ from thermo.discover import (
     Calibration,
     Candidacy,
     Effect,
+    Follows,
     HeldOut,
     Misfit,
     Part,
     Place,
     Round,
+    Trace,
     Verdict,
 )
 from thermo.discover.candidates import HiddenSource, SensorLag
@@ -46,6 +48,11 @@ def misfit(share: float) -> Misfit:
     return Misfit(Part(16 * share, 16), Part(176 * share, 176), Part(800.0, 808))
 
 
+def trace(score: float) -> Trace:
+    """One that follows a lamp."""
+    return Trace(0.25, {"lamp": Follows(score, 1.5, 0.5 if abs(score) < 3 else 0.0)})
+
+
 def estimate(apart: float) -> Estimate:
     """A fit that is off by so much [K] wherever x is positive, from the second frame on."""
     time, points = np.linspace(0.0, 30.0, 4), MESH.nodes[np.unique(MESH.faces)]
@@ -74,7 +81,7 @@ def verdict(word: str) -> Verdict:
         rounds=rounds,
         candidates=candidacies(),
         threshold=3.1,
-        held_out={"other": HeldOut(0.4, 0.055, 0.05, 0.97)},
+        held_out={"other": HeldOut(0.4, 0.055, 0.05, 0.97, (0.95, 0.98))},
         missed={"sensor_lag": (0.06, "s"), "void": (None, "1")},
         cells={"lamp": 0.004, "cooling": 0.001},
         noise={"lamp": 0.05, "cooling": 0.05},
@@ -84,6 +91,10 @@ def verdict(word: str) -> Verdict:
         misfits=(
             {"lamp": misfit(9.0), "cooling": misfit(2.0)},
             {"lamp": misfit(1.1), "cooling": misfit(1.0)},
+        ),
+        traces=(
+            {"lamp": trace(-8.0), "cooling": Trace(0.7, {})},
+            {"lamp": trace(1.2), "cooling": Trace(0.6, {})},
         ),
         calibration=Calibration(np.linspace(1.0, 3.6, 200), 0.035, 0.01, 0.045),
         stated=estimate(0.5),

@@ -54,4 +54,5 @@ def discover(settings: Mapping[str, Any]) -> None:
     }
     write_discovery(out, found, record)
     told = "\n".join(record["sentences"])
-    print(f"{discovery_table(record)}\n\n{told}\n\n{out / 'verdict.html'}")
+    files = ", ".join(("verdict.json", "verdict.html", "estimate.npz"))
+    print(f"{discovery_table(record)}\n\n{told}\n\n{out}: {files}")

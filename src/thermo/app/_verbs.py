@@ -99,16 +99,18 @@ def predict(settings: Configuration) -> None:
     require_writable(out)
     estimate = Path(settings["estimate"])
     finished = (estimate / "estimate.npz").exists()
+    effects = load_effects(estimate, scene) if finished else None
     predictions = inverse.predict(
         scene,
         estimate,
-        additions=load_effects(estimate, scene) if finished else None,
+        additions=effects,
         runs=names(settings["runs"], "runs"),
         meshing=build_meshing(settings["mesh"]),
         tolerance=number(settings, "tolerance", above=0.0),
     )
     seconds = time.monotonic() - begun
-    record = write_predictions(out, "predict", predictions, settings, seconds)
+    taken = [one.card.name for one in effects or ()]
+    record = write_predictions(out, "predict", predictions, settings, seconds, taken)
     print(f"{prediction_table(record)}\n\n{out / 'result.json'}, {seconds:.0f} s")
 
 

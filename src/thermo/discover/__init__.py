@@ -14,6 +14,7 @@ from thermo.discover._effects_file import effects_as_arrays, load_effects
 from thermo.discover._library import Setting, library
 from thermo.discover._misfit import Misfit, Part
 from thermo.discover._registered import registered
+from thermo.discover._trace import Follows, Trace
 from thermo.discover._verdict import Candidacy, Effect, HeldOut, Round, Verdict
 
 __all__ = [
@@ -25,12 +26,14 @@ __all__ = [
     "Candidate",
     "Card",
     "Effect",
+    "Follows",
     "HeldOut",
     "Misfit",
     "Part",
     "Place",
     "Round",
     "Setting",
+    "Trace",
     "Verdict",
     "discover",
     "effects_as_arrays",

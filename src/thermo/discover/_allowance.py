@@ -41,8 +41,15 @@ class Allowance:
 
 def allowance(runs: list[Block], errors: Float[np.ndarray, "values errors"]) -> Allowance:
     """Of the runs' smooth shapes and columns of errors whose amplitude is about one [1]."""
-    turned, size, _ = np.linalg.svd(softened(runs, errors), full_matrices=False)
-    return Allowance(runs, turned, 1 - 1 / np.sqrt(1 + size**2))
+    return beside(Allowance(runs, np.zeros((len(errors), 0)), np.zeros(0)), errors)
+
+
+def beside(allowed: Allowance, errors: Float[np.ndarray, "values errors"]) -> Allowance:
+    """With more columns of errors [1] beside those that are allowed for."""
+    size = np.sqrt(1 / (1 - allowed.share) ** 2 - 1)
+    every = np.concatenate([allowed.lost * size, softened(allowed.runs, errors)], 1)
+    turned, size, _ = np.linalg.svd(every, full_matrices=False)
+    return Allowance(allowed.runs, turned, 1 - 1 / np.sqrt(1 + size**2))
 
 
 NOTHING_ALLOWED = Allowance([], np.zeros((0, 0)), np.zeros(0))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import final
+from typing import Final, final
 
 import jax
 import jax.numpy as jnp
@@ -19,6 +19,7 @@ from thermo.inverse import (
     coarse_tangents,
     finer_mesh,
     finer_readings,
+    lay_out,
     make_objective,
     prepare,
     start,
@@ -26,6 +27,9 @@ from thermo.inverse import (
 )
 from thermo.mesh import Mesh
 from thermo.physics.integrators import Sdirk2
+
+# Edges of a fit's cells over those of cells that resolve an effect's place [1].
+_SMALLER: Final = 1.6
 
 Apart = list[Float[Array, "runs frames samples"]]
 """Differences of each group of runs [K]."""
@@ -57,6 +61,21 @@ def set_up(task: Task) -> Bench:
     ready = prepare(task)
     coarse = coarse_tangents(task, ready)
     return Bench(task, ready, coarse, finer_mesh(task, ready))
+
+
+def resolved(bench: Bench) -> Bench:
+    """The bench with cells nearly as small as those that it is measured against [m]."""
+    task, ready = bench.task, bench.ready
+    ready = lay_out(task, finer_mesh(task, ready, _SMALLER), ready.stated)
+    return replace(bench, ready=ready, coarse=coarse_tangents(task, ready))
+
+
+def edge_of(bench: Bench) -> float:
+    """Edge of a regular tetrahedron as large as half of the cells [m]."""
+    mesh = bench.ready.mesh
+    corners = mesh.nodes[mesh.cells[:, :4]]
+    volume = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) / 6
+    return float((6 * np.sqrt(2) * np.median(volume)) ** (1 / 3))
 
 
 def steps_for(objective: Objective, point: Extended) -> Objective:

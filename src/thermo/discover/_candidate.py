@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import final
+from typing import Final, final
 
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from thermo.inverse import AbstractHeatAddition, AbstractReadingAddition
-from thermo.physics import Discretisation
+from thermo.physics import Discretisation, volume_rule
+
+FINE: Final = 5
+"""Degree of the rule [1] for what varies within a cell: light that is soon gone, edges of voids."""
+
+Shapes = Float[Array, "places points cells"]
+"""Share of each place's full strength [1]."""
 
 
 @final
@@ -57,8 +64,8 @@ class Place(eqx.Module):
         return jnp.stack([jnp.exp(-jnp.sum(way**2, -1) / 2) for way in self._ways(at)])
 
     def boxes(self, at: Float[Array, "*any 3"]) -> Float[Array, "places *any"]:
-        """The same with exp(-sum of (way / size)^4), a box with rounded edges [1]."""
-        return jnp.stack([jnp.exp(-jnp.sum(way**4, -1)) for way in self._ways(at)])
+        """The same with exp(-sum of (way / size)^8), a box with slightly rounded edges [1]."""
+        return jnp.stack([jnp.exp(-jnp.sum(way**8, -1)) for way in self._ways(at)])
 
     def _ways(self, at: Float[Array, "*any 3"]) -> list[Float[Array, "*any 3"]]:
         """From each centre to points [m], over the place's size [1]."""
@@ -105,6 +112,15 @@ def on_faces(space: Discretisation, place: Place) -> Float[Array, "places faces"
     """Mean of each place's shape over each face [1]."""
     share = face_shares(space)
     return jnp.einsum("pfq,fq->pf", place.shapes(jnp.asarray(space.face_point)), share)
+
+
+def cell_means(
+    space: Discretisation, shapes: Callable[[Float[Array, "points cells 3"]], Shapes]
+) -> Float[Array, "places cells"]:
+    """Mean of each place's shape over each cell [1], which may vary within a cell."""
+    rule = volume_rule(space, FINE)
+    whole = jnp.einsum("pqc,qc->pc", shapes(rule.at), rule.weight)
+    return whole / rule.weight.sum(0)
 
 
 def face_shares(space: Discretisation) -> Float[Array, "faces points"]:

@@ -27,6 +27,7 @@ from thermo.discover._rounds import candidacies
 from thermo.discover._scores import ScoreTable
 from thermo.discover._search import Say, Standing, at_work, fitted
 from thermo.discover._softening import blocks, error_columns, stamp_columns
+from thermo.discover._trace import traces
 from thermo.discover._verdict import HeldOut, Verdict
 from thermo.errors import InputError
 from thermo.inverse import (
@@ -89,7 +90,7 @@ def discover(
     )  # fmt: skip
     say("meshing")
     bench = set_up(task)
-    every = candidates(setting_of(task.scene, task.runs, bench.ready.mesh))
+    every = candidates(setting_of(task.scene, task.runs, bench.ready.mesh, task.names))
     _check_names(every)
     begun, left = _begin(bench, every, say)
     path = search(begun, tuple(one for one in every if one.card.law), say)
@@ -117,6 +118,7 @@ def _answer(
         alias=aliases(path.table),
         calibration=path.calibrated,
         misfits=(_misfits(begun), _misfits(path.standing)),
+        traces=(traces(begun), traces(path.standing)),
         omnibus=(by_shapes(begun), by_shapes(path.standing)),
         stated=estimate_of(begun, seconds),
         extended=estimate_of(last, seconds),
@@ -190,5 +192,12 @@ def _missed(table: ScoreTable) -> Mapping[str, tuple[float | None, str]]:
         card = score.entry.card
         known = found.get(card.name, (0.0, ""))[0] or 0.0
         found[card.name] = (max(reach * score.sd, known), card.unit)
-    # Where one part could not be seen at all, no strength of that kind is sure to be found.
-    return found | {one.card.name: (None, one.card.unit) for one in table.unseen}
+    # Where one part could not be seen at all, no strength of that kind is sure to be found; nor is
+    # one that there cannot be.
+    cards = {score.name(): score.entry.card for score in table.scores}
+    never = [name for name, (least, _) in found.items() if (least or 0.0) > cards[name].high]
+    return (
+        found
+        | {name: (None, cards[name].unit) for name in never}
+        | {one.card.name: (None, one.card.unit) for one in table.unseen}
+    )

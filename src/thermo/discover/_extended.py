@@ -136,16 +136,16 @@ def signatures(
     Places stay where they are, so that their shapes are made once for all ways. Priors, which no
     strength moves, follow with zeros.
     """
-    parts = []
+    values = sum(np.size(case.used) for case in objective.cases)
+    found = np.zeros((values + penalty(objective, point.fields).size, len(ways)))
     width = next((one for one in STRENGTHS if len(ways) <= one), STRENGTHS[-1])
     for begin in range(0, len(ways), width):
         some = ways[begin : begin + width]
         filled = np.zeros((width, ways.shape[1]))
         filled[: len(some)] = some
-        parts.append(np.asarray(_signatures(objective, point, jnp.asarray(filled)))[:, : len(some)])
-    found = np.concatenate(parts, 1)
-    priors = penalty(objective, point.fields).size
-    return np.concatenate([found, np.zeros((priors, found.shape[1]))])
+        slopes = np.asarray(_signatures(objective, point, jnp.asarray(filled)))
+        found[:values, begin : begin + width] = slopes[:, : len(some)]
+    return found
 
 
 @eqx.filter_jit

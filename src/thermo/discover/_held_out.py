@@ -4,16 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Final
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Float
 
 from thermo.discover._bench import Bench, finer_runs
 from thermo.discover._extended import Extended, whitened
+from thermo.discover._staying import staying
 from thermo.discover._verdict import HeldOut
 from thermo.inverse import Case, Objective, coarse_tangents, lay_out
-from thermo.observe import estimate_noise
+from thermo.observe import Run, estimate_noise
+
+# Fewer samples than these [1] are no sample of the body; draws of them.
+_FEW: Final = 10
+_DRAWS: Final = 1000
 
 
 def held_out(bench: Bench, stated: Extended, extended: Extended) -> Mapping[str, HeldOut]:
@@ -34,21 +41,52 @@ def held_out(bench: Bench, stated: Extended, extended: Extended) -> Mapping[str,
             one = replace(like, cases=(_only(case, row),))
             pair = (apart[0][row : row + 1], apart[1][row : row + 1])
             run = runs[next(order)]
-            found[run.name] = _compared(one, pair, estimate_noise(run.recording).white)
+            found[run.name] = _compared(one, pair, run)
     return found
 
 
-def _compared(one: Objective, apart: tuple[np.ndarray, np.ndarray], noise: float) -> HeldOut:
+def _compared(one: Objective, apart: tuple[np.ndarray, np.ndarray], run: Run) -> HeldOut:
     """Differences of one run before and after [K]."""
     used = np.asarray(one.cases[0].used) > 0
-    before, after = (float(np.sqrt(np.mean(each[used] ** 2))) for each in apart)
+    before, after = (_rms(np.where(used, each, np.nan)[0], run) for each in apart)
     told, rest = (
-        float(np.sum(np.asarray(whitened(one, [jnp.asarray(each)])) ** 2)) for each in apart
+        np.asarray(whitened(one, [jnp.asarray(each)])).reshape(used.shape[-2:]) for each in apart
     )
-    count = float(used.sum())
+    squares = np.stack([np.sum(told**2, 0), np.sum(rest**2, 0), used[0].sum(0)])
+    noise = estimate_noise(run.recording).white
+    whole = squares.sum(1)
     # Beyond the scatter of noise alone there is nothing to close.
-    beyond = told - count > 5 * np.sqrt(2 * count)
-    return HeldOut(before, after, noise, 1 - (rest - count) / (told - count) if beyond else None)
+    if whole[0] - whole[2] <= 5 * np.sqrt(2 * whole[2]):
+        return HeldOut(before, after, noise, None)
+    return HeldOut(before, after, noise, float(closed(whole)), closed_interval(squares))
+
+
+def closed(squares: Float[np.ndarray, "3 *draws"]) -> Float[np.ndarray, "*draws"]:
+    """Share closed [1] of squares before, after, and of their number."""
+    before, after, count = squares
+    return np.asarray(1 - (after - count) / (before - count))
+
+
+def closed_interval(squares: Float[np.ndarray, "3 samples"]) -> tuple[float, float] | None:
+    """In which 95 % of the shares closed [1] lie, samples drawn anew with all their readings.
+
+    `squares`: of each sample before and after, and how many [1]. None with too few samples.
+
+    Source: Efron and Tibshirani, An Introduction to the Bootstrap (1993), chapter 13, percentiles.
+    """
+    samples = squares.shape[1]
+    if samples < _FEW:
+        return None
+    drawn = np.random.default_rng(0).integers(samples, size=(_DRAWS, samples))
+    shares = closed(squares[:, drawn].sum(2))
+    low, high = np.quantile(shares, [0.025, 0.975])
+    return float(low), float(high)
+
+
+def _rms(apart: np.ndarray, run: Run) -> float:
+    samples = slice(len(run.recording.points))
+    apart = apart[:, samples]
+    return float(np.sqrt(np.nanmean((apart + staying(-apart, run)) ** 2)))
 
 
 def _only(case: Case, row: int) -> Case:

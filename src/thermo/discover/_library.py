@@ -42,6 +42,7 @@ _KNOTS: Final = 4
 _TRANSITIONS: Final = 6
 _WIDTH: Final = 0.5
 _SIZE: Final = 0.12
+_WIDE: Final = 2.0
 _DEPTHS: Final = (0.02, 0.05, 0.1)
 # By lags shorter than this share of the longest run slopes are taken as by one of it [1].
 _PULSE: Final = 0.005
@@ -54,6 +55,7 @@ class Setting:
 
     - `mesh`: of the body [m]; `density`: as stated [kg/m3].
     - `duration`: of the longest run [s]; `coldest`, `hottest`: of all readings [K].
+    - `unknown`: names of the quantities that are fitted beside the effects.
     """
 
     mesh: Mesh
@@ -61,6 +63,7 @@ class Setting:
     duration: float
     coldest: float
     hottest: float
+    unknown: tuple[str, ...] = ()
 
 
 def _spread(points: Float[np.ndarray, "points 3"], count: int) -> Float[np.ndarray, "picked 3"]:
@@ -73,12 +76,15 @@ def _spread(points: Float[np.ndarray, "points 3"], count: int) -> Float[np.ndarr
     return points[picked]
 
 
-def setting_of(scene: Scene, runs: Iterable[Run], mesh: Mesh) -> Setting:
-    """What a scene and runs of it tell, on a mesh of its body [m]."""
+def setting_of(
+    scene: Scene, runs: Iterable[Run], mesh: Mesh, unknown: tuple[str, ...] = ()
+) -> Setting:
+    """What a scene and runs of it tell, on a mesh of its body [m]; `unknown`: what is fitted."""
     recordings = [run.recording for run in runs]
     read = np.concatenate([one.temperature[one.valid] for one in recordings])
     duration = max(float(one.time[-1]) for one in recordings)
-    return Setting(mesh, scene.material.density, duration, float(read.min()), float(read.max()))
+    extremes = float(read.min()), float(read.max())
+    return Setting(mesh, scene.material.density, duration, *extremes, unknown)
 
 
 def library(setting: Setting) -> tuple[Candidate, ...]:
@@ -93,6 +99,14 @@ def library(setting: Setting) -> tuple[Candidate, ...]:
         for points in (skin, inside)
     )
 
+    patches = on_skin
+    if not {"convection", "scaled_convection"} & set(setting.unknown):
+        # Where it is not fitted, convection may be wrong all over.
+        middle = (mesh.nodes.min(0) + mesh.nodes.max(0)) / 2
+        patches = Place(
+            jnp.asarray(np.vstack([skin, middle])), jnp.append(on_skin.size, _WIDE * longest)
+        )
+
     # Along each axis a share of the body there, so that a void is as flat as the body is.
     flat = Place(within.centre, jnp.broadcast_to(jnp.asarray(_SIZE * extent), inside.shape))
 
@@ -101,7 +115,7 @@ def library(setting: Setting) -> tuple[Candidate, ...]:
 
     return (
         MissingRadiation(zero()),
-        LocalConvection(zero(len(skin)), on_skin),
+        LocalConvection(zero(len(patches.size)), patches),
         SupportContact(zero(6), Place(None, 0.1 * jnp.asarray([*extent, *extent]))),
         BackingConduction(zero(6)),
         AmbientDrift(zero(_KNOTS), duration=jnp.asarray(duration)),

@@ -9,6 +9,7 @@ import numpy as np
 from thermo.discover._bench import steps_for
 from thermo.discover._extended import readings
 from thermo.discover._search import Standing
+from thermo.discover._staying import staying
 from thermo.inverse import Estimate, RunFit, defect_sizes, recovered, with_fields
 from thermo.observe import estimate_noise
 
@@ -16,7 +17,7 @@ _RESOLVED: Final = "What cells and steps make wrong was measured on a finer mesh
 
 
 def met_runs(standing: Standing) -> dict[str, RunFit]:
-    """What is read and what was measured [K] in each run."""
+    """What is read and what was measured [K] in each run, constant errors of samples taken off."""
     coarse, grids = steps_for(standing.bench.coarse, standing.point), standing.bench.ready.grids
     sizes, order = defect_sizes(coarse), iter(coarse.sequence)
     found = {}
@@ -28,6 +29,7 @@ def met_runs(standing: Standing) -> dict[str, RunFit]:
             time = np.asarray(grids[run.name].frame_time)
             here = slice(len(time)), slice(len(run.recording.points))
             measured = np.where(weight > 0, data, np.nan)[here]
+            measured = measured - staying(measured - read[here], run)
             found[run.name] = RunFit(
                 rmse=float(np.sqrt(np.nanmean((read[here] - measured) ** 2))),
                 noise=estimate_noise(run.recording).white,

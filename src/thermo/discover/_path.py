@@ -2,23 +2,36 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, final
 
+import numpy as np
 from scipy.stats import chi2
 
+from thermo.discover._bench import edge_of, resolved
 from thermo.discover._calibration import Calibration, calibration
-from thermo.discover._candidate import Candidate
+from thermo.discover._candidate import Candidate, Place
+from thermo.discover._place_doubt import undoubted, with_doubt
 from thermo.discover._projection import projection
 from thermo.discover._rounds import (
     effect_of,
-    effects_first,
     make_round,
+    rms,
     share_closed,
+    simplest_first,
     with_joint_effects,
 )
 from thermo.discover._scores import ScoreTable, credible
-from thermo.discover._search import Say, Standing, fitted, refits, scored, with_all, without
+from thermo.discover._search import (
+    Refit,
+    Say,
+    Standing,
+    fitted,
+    refits,
+    scored,
+    with_all,
+    without,
+)
 from thermo.discover._verdict import Effect, Round, Word
 
 # Chance of a false alarm by the largest score, and by the misfit in smooth shapes [1]; each round
@@ -30,10 +43,15 @@ _ROUNDS: Final = 3
 _CLOSED: Final = 0.9
 # An effect has to close this share of what is left [1].
 _WORTH: Final = 0.5
+# Of what a run leaves beyond noise, a score has to show this share that a refit with its place may
+# close half of it [1].
+_REACH: Final = 0.25
+_FINE: Final = (
+    "A score passes the threshold, but smooth shapes are quiet: the edges of a place are a guess, "
+    "and cells blur them, so that nothing more is read into it."
+)
 # An effect may as well be absent where scatter gives strengths as large with this chance [1].
 _ABSENT: Final = 0.05
-# What an effect's place is like is a guess: 15 % of its amplitude may be left by that, squared [1].
-_SHAPE: Final = 0.02
 
 
 @final
@@ -41,6 +59,7 @@ _SHAPE: Final = 0.02
 class SearchPath:
     """How far a search went.
 
+    - `standing`: where it ended, no doubt about places allowed for.
     - `table`: the scores before anything was put to work; `calibrated`: its alarms by simulation.
     """
 
@@ -62,15 +81,11 @@ def search(begun: Standing, laws: tuple[Candidate, ...], say: Say) -> SearchPath
         table = scored(standing, laws, alpha=share * _BY_SCORE)
         tables.append(table)
         calm = by_shapes(standing) > share * _BY_SHAPES
-        if not _alarm(table) and calm:
+        rest = _at_rest(standing, table, calm)
+        if rest is not None:
+            remarks += rest
             break
-        if rounds and _is_shape(begun, standing):
-            remarks.append(
-                "What is left is less than 2 % of the gap: the shape of an effect's place is a "
-                "guess and may leave as much, so that no more is read into it."
-            )
-            break
-        made = effects_first(refits(standing, table, laws, say), table.threshold**2)
+        made = put_first(refits(standing, table, laws, say), table.threshold**2)
         one = make_round(standing, made, table) if made else None
         if calm and one is not None and one.effect.chance > _ABSENT:
             remarks.append(_nothing(one))
@@ -85,19 +100,58 @@ def search(begun: Standing, laws: tuple[Candidate, ...], say: Say) -> SearchPath
         if one is None:
             break
         rounds.append(one)
-        standing = with_all(made[0], standing)
+        before, standing = standing, with_all(made[0], standing)
         standing, rounds = pruned(standing, rounds, table.threshold**2, say, remarks)
         if one.closed < _WORTH:
             break
-    word = "no_gap" if quiet else _word(begun, standing, rounds, tables[0])
-    together = with_joint_effects(rounds, standing)
-    return SearchPath(word, together, standing, tables[0], remarks, calibrated(begun, tables[0]))
+        standing, rounds = on_small_cells(standing, rounds, begun, before, remarks)
+        standing = with_doubt(standing, begun.allowed)
+    last = undoubted(standing, begun.allowed)
+    word = "no_gap" if quiet else _word(begun, last, rounds, tables[0])
+    together = with_joint_effects(rounds, last, standing)
+    return SearchPath(word, together, last, tables[0], remarks, calibrated(begun, tables[0]))
 
 
 def calibrated(begun: Standing, table: ScoreTable) -> Calibration:
     """How often the stated model's alarm would be false, by simulation [1]."""
     free, runs = projection(begun.ended.slopes), begun.allowed.runs
     return calibration(table, free, runs, shapes=_BY_SHAPES)
+
+
+def on_small_cells(
+    standing: Standing, rounds: list[Round], begun: Standing, before: Standing, remarks: list[str]
+) -> tuple[Standing, list[Round]]:
+    """Fitted anew on smaller cells, where a place is thin or leaves a misfit in smooth shapes.
+
+    What cells make wrong about a thin place is no other effect [1]. Cells are made smaller once;
+    `before`: where the search stood without the last effect.
+    """
+    tried = standing.bench.ready is not begun.bench.ready
+    needed = by_shapes(standing) <= _BY_SHAPES or thinnest(standing) < edge_of(standing.bench)
+    if tried or not placed(standing) or not needed:
+        return standing, rounds
+    large = rms(standing)
+    standing = fitted(replace(standing, bench=resolved(standing.bench)), times=2)
+    small, closed = rms(standing), share_closed(before, standing)
+    told = ", ".join(f"{name} {one:.3g} to {small[name]:.3g} K" for name, one in large.items())
+    name = rounds[-1].effect.card.name
+    remarks.append(f"Smaller cells change what is left beside {name}: {told}.")
+    return standing, [*rounds[:-1], replace(rounds[-1], rms_after=small, closed=closed)]
+
+
+def placed(standing: Standing) -> bool:
+    """Whether an effect with a place [m] is at work."""
+    return thinnest(standing) < np.inf
+
+
+def thinnest(standing: Standing) -> float:
+    """The least size of a place at work [m], infinite where there is none."""
+    found = [np.inf]
+    for name, part in standing.active:
+        place = next(one.place for one in standing.point.candidates if one.card.name == name)
+        if isinstance(place, Place):
+            found.append(float(np.min(np.asarray(place.size)[part])))
+    return min(found)
 
 
 def pruned(
@@ -123,6 +177,39 @@ def pruned(
     return standing, rounds
 
 
+def _at_rest(standing: Standing, table: ScoreTable, calm: bool) -> list[str] | None:
+    """What there is to say where nothing more is looked for; None where something is."""
+    if not _alarm(table) and calm:
+        return []
+    if calm and placed(standing):
+        return [_FINE]
+    if standing.active and _out_of_reach(standing, table):
+        return [_rest(None)]
+    return None
+
+
+def put_first(made: list[Refit], most: float) -> list[Refit]:
+    """The simplest of refits that explain as much first, what cells make wrong measured with it.
+
+    `most`: in squares, as for `together` [1].
+    """
+    order = simplest_first(made, most)
+    if order and order[0] is not made[0]:
+        order[0] = replace(order[0], standing=fitted(order[0].standing, times=1))
+    return order
+
+
+def _out_of_reach(standing: Standing, table: ScoreTable) -> bool:
+    """Whether far more is left than any candidate shows in: a level of noise is not that wrong."""
+    more = 0.0
+    for run in standing.allowed.runs:
+        part = standing.ended.residual[run.part]
+        squares, count = float(part @ part), np.count_nonzero(part)
+        more += squares - count if squares > run.level * count else 0.0
+    most = max((one.z**2 for one in table.scores), default=0.0)
+    return bool(most < _REACH * more)
+
+
 def _nothing(one: Round) -> str:
     low, high = one.effect.interval95
     return (
@@ -142,7 +229,7 @@ def _fault(found: Effect) -> str:
 
 def _rest(one: Round | None) -> str:
     if one is None:
-        return "A rest is left that no candidate shows in."
+        return "A rest is left that no candidate explains, nor shows in by much."
     name = one.effect.card.name
     return (
         f"A rest is left that no candidate explains; the closest is {name}, "
@@ -167,11 +254,3 @@ def by_shapes(standing: Standing) -> float:
     """Probability of as large a misfit in smooth shapes by chance [1]."""
     told, count = standing.gap()
     return float(chi2.sf(told, count))
-
-
-def _is_shape(begun: Standing, standing: Standing) -> bool:
-    """Whether what is left may be due to the shape of the places at work."""
-    if all(standing.first[name].place is None for name, _ in standing.active):
-        return False
-    (told, count), (rest, _) = begun.gap(), standing.gap()
-    return rest - count < _SHAPE * (told - count)

@@ -64,18 +64,20 @@ def together(made: list[Refit], spread: float, most: float) -> list[str]:
     return [name for name, *each in behind if min(each) < most]
 
 
-def effects_first(made: list[Refit], most: float) -> list[Refit]:
-    """Refits in their order, but an effect before a fault of the record that explains no more.
+def simplest_first(made: list[Refit], most: float) -> list[Refit]:
+    """Refits in their order, but the simplest of those that explain as much before all others.
 
-    `most`: in squares, as for `together` [1].
+    An effect is simpler than a fault of the record, and of two the one with fewer entries that were
+    fitted. `most`: in squares, as for `together` [1].
     """
     if not made:
         return made
     as_good = together(made, made[0].standing.misfit(), most)
-    effects = [one for one in made if one.name() in as_good and not one.score.entry.card.fault]
-    if not effects:
-        return made
-    return [effects[0], *(one for one in made if one is not effects[0])]
+    first = min(
+        (one for one in made if one.name() in as_good),
+        key=lambda one: (one.score.entry.card.fault, one.standing.ended.fitted()),
+    )
+    return [first, *(one for one in made if one is not first)]
 
 
 def share_closed(before: Standing, after: Standing) -> float:
@@ -126,12 +128,17 @@ def rms(standing: Standing) -> dict[str, float]:
     return {name: one.rmse for name, one in met_runs(standing).items()}
 
 
-def effect_of(standing: Standing, active: Active, spread: float) -> Effect:
-    """An effect at work where a fit ended, its errors widened by the misfit that is left [1]."""
+def effect_of(
+    standing: Standing, active: Active, spread: float, doubted: Standing | None = None
+) -> Effect:
+    """An effect at work where a fit ended, its errors widened by the misfit that is left [1].
+
+    `doubted`: the fit with more allowed for, whose errors are taken in place of its own.
+    """
     point = standing.point
     entry = entry_of(point, active)
     free = free_of(standing)
-    slopes = standing.ended.slopes
+    slopes = (doubted or standing).ended.slopes
     covariance = np.linalg.pinv(slopes.T @ slopes, hermitian=True) * spread
     own = [int(np.flatnonzero(free.number == one)[0]) for one in entry.strengths]
     sd = float(np.sqrt(covariance[own[-1], own[-1]]) * free.scale[own[-1]])
@@ -149,14 +156,17 @@ def effect_of(standing: Standing, active: Active, spread: float) -> Effect:
     )
 
 
-def with_joint_effects(rounds: list[Round], last: Standing) -> list[Round]:
+def with_joint_effects(rounds: list[Round], last: Standing, doubted: Standing) -> list[Round]:
     """Rounds with strengths and places of the fit in which all effects are at work [SI].
 
-    What an effect was fitted to alone holds a part of those that came later.
+    What an effect was fitted to alone holds a part of those that came later. The errors are those
+    of the fit that is `doubted`, in which the shapes of places may be others.
     """
-    spread = last.misfit()
-    pairs = zip(rounds, last.active, strict=True)
-    return [replace(one, effect=effect_of(last, active, spread)) for one, active in pairs]
+    spread = doubted.misfit()
+    return [
+        replace(one, effect=effect_of(last, active, spread, doubted))
+        for one, active in zip(rounds, last.active, strict=True)
+    ]
 
 
 def _place(standing: Standing, entry: Entry) -> tuple[np.ndarray | None, float | None]:

@@ -73,14 +73,19 @@ class Standing:
 
 def free_of(standing: Standing) -> Free:
     """Fields and the parts of candidates at work, free [1]."""
-    point, nodes = standing.point, standing.bench.ready.mesh.nodes
-    corners = np.stack([nodes.min(0), nodes.max(0)])
+    point = standing.point
     parts = [
-        free_entries(point, entry_of(point, one), standing.first[one[0]], corners)
+        free_entries(point, entry_of(point, one), standing.first[one[0]], box_of(standing))
         for one in standing.active
     ]
     first = standing.bench.first(()).fields
     return joined(field_entries(point, first), *parts)
+
+
+def box_of(standing: Standing) -> Float[np.ndarray, "2 3"]:
+    """The least and the largest coordinates of the body [m]."""
+    nodes = standing.bench.ready.mesh.nodes
+    return np.stack([nodes.min(0), nodes.max(0)])
 
 
 def fitted(standing: Standing, *, times: int, rival: float = np.inf) -> Standing:
@@ -91,7 +96,7 @@ def fitted(standing: Standing, *, times: int, rival: float = np.inf) -> Standing
     Of effects with a place only those at work take part, and one of each other kind: all refits
     share one program, and it is as small as that allows.
     """
-    small, kept = _with_few_places(standing)
+    small, kept = with_few_places(standing)
     free = free_of(small)
     for number in range(max(times, 1)):
         bench = small.bench
@@ -121,13 +126,13 @@ def without(standing: Standing, number: int) -> Standing:
 
 def at_work(standing: Standing) -> tuple[Candidate, ...]:
     """The effects at work, of those with places no more parts than that [SI]."""
-    small, _ = _with_few_places(standing)
+    small, _ = with_few_places(standing)
     names = {name for name, _ in standing.active}
     return tuple(one for one in small.point.candidates if one.card.name in names)
 
 
-def _with_few_places(standing: Standing) -> tuple[Standing, dict[str, Parts]]:
-    """The standing with few parts of effects with a place, and which they are."""
+def with_few_places(standing: Standing) -> tuple[Standing, dict[str, Parts]]:
+    """The standing with few parts of effects with a place, and which they are [1]."""
     kept: dict[str, Parts] = {}
     for one in standing.point.candidates:
         name = one.card.name
@@ -235,8 +240,9 @@ def refits(
     """The credible candidates put to work one by one, the best first."""
     order = best_of_kinds([one for one in table.scores if credible(one, table.threshold)])
     made: list[Refit] = []
-    for score in worth_a_refit(order):
-        say(f"refitting {score.name()}, score {score.z:.1f}")
+    worth = worth_a_refit(order)
+    for number, score in enumerate(worth, 1):
+        say(f"refitting {score.name()}, score {score.z:.1f}, {number} of {len(worth)}")
         rival = min((one.standing.ended.loss() for one in made), default=np.inf)
         made.append(_put_to_work(standing, score, laws, rival))
     return _measured_anew(standing, made, say) if made else []

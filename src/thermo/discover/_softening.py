@@ -14,10 +14,14 @@ from thermo.discover._bench import Apart
 from thermo.discover._extended import whitened
 from thermo.discover._modes import space_modes, time_modes
 from thermo.inverse import DEFECT_LEFT, Objective, Task
+from thermo.observe import variance_error
 
 STAMP: Final = 0.02
 """Standard deviation of what the stamps of a run's frames may all be off by, over the distance of
 frames [1]: exposure, read-out and the lamp's switch are known no better."""
+
+# Deviations within which the level of the noise is [1].
+_SURE: Final = 3.0
 
 
 @final
@@ -28,6 +32,7 @@ class Block:
     - `name`; `part`; `shape`: (frames, samples) [1].
     - `in_time` (frames, modes), `in_space` (samples, modes): smooth shapes [1].
     - `share`: of a smooth shape that is taken off, in units of its noise [1].
+    - `level`: how many times as large as estimated the noise's variance may be [1].
     """
 
     name: str
@@ -36,6 +41,7 @@ class Block:
     in_time: Float[np.ndarray, "frames time"]
     in_space: Float[np.ndarray, "samples space"]
     share: float
+    level: float
 
     def coefficients(self, values: Float[np.ndarray, " values"]) -> Float[np.ndarray, "time space"]:
         """Of whitened values [1], those of the smooth shapes."""
@@ -68,7 +74,8 @@ def blocks(objective: Objective, task: Task, left: Apart) -> list[Block]:
             spread = energy / (along.shape[1] * across.shape[1])
             share = 1 - 1 / np.sqrt(1 + spread)
             part = slice(begin, begin + used.size)
-            found.append(Block(run.name, part, used.shape, along, across, share))
+            level = 1 + _SURE * variance_error(run.recording)
+            found.append(Block(run.name, part, used.shape, along, across, share, level))
             begin += used.size
     return found
 
@@ -79,9 +86,11 @@ def softened(
     """Whitened columns [1] with the smooth shapes' share taken off, whose variance is one then."""
     made = np.array(values)
     for block in runs:
-        for column in range(values.shape[1]):
-            found = block.in_time @ block.coefficients(values[:, column]) @ block.in_space.T
-            made[block.part, column] -= block.share * found.ravel()
+        # All columns at once, in place: they are long, and memory is what this costs.
+        part = made[block.part].reshape(*block.shape, -1)
+        along = np.tensordot(block.in_time.T, part, 1)
+        across = block.in_space @ (block.share * (block.in_space.T @ along))
+        part -= np.tensordot(block.in_time, across, 1)
     return made
 
 

@@ -12,6 +12,7 @@ from jaxtyping import Float
 from thermo.discover._calibration import Calibration
 from thermo.discover._candidate import Candidate, Card
 from thermo.discover._misfit import Misfit
+from thermo.discover._trace import Trace
 from thermo.inverse import Estimate
 
 
@@ -82,12 +83,18 @@ class Round:
 @final
 @dataclass(frozen=True)
 class HeldOut:
-    """A run that was not fitted: rms before and after, of its noise [K], share closed [1]."""
+    """A run that was not fitted.
+
+    - `rms_before`, `rms_after`, `noise`: of differences and of a reading [K].
+    - `gap_closed`: share of the squares beyond noise [1], None where there are none;
+      `interval95`: of that share were other samples read, None where too few are.
+    """
 
     rms_before: float
     rms_after: float
     noise: float
     gap_closed: float | None
+    interval95: tuple[float, float] | None = None
 
 
 Word = Literal["named", "inseparable", "none_of_mine", "no_gap"]
@@ -107,7 +114,8 @@ class Verdict:
     - `alias`: how alike the best parts of two kinds are, beside the unknowns [1].
     - `omnibus`: probability of as large a misfit in smooth shapes without and with effects [1].
     - `calibration`: how often an alarm would be false on such runs, by simulation [1].
-    - `misfits`: by run where what is left lies, without and with effects.
+    - `misfits`: by run where what is left lies, without and with effects; `traces`: whether it is
+      white over time there, and what of the run it follows.
     - `stated`, `extended`: fields [SI] and runs [K] of the fits without and with what was found;
       `additions`: what was found, as modules. Nothing, where none explains the gap.
     """
@@ -125,6 +133,7 @@ class Verdict:
     omnibus: tuple[float, float]
     calibration: Calibration
     misfits: tuple[Mapping[str, Misfit], Mapping[str, Misfit]]
+    traces: tuple[Mapping[str, Trace], Mapping[str, Trace]]
     stated: Estimate
     extended: Estimate
     additions: tuple[Candidate, ...]

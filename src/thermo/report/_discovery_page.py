@@ -141,7 +141,34 @@ def _gap(record: Record) -> str:
     figures = []
     for name, found in record["residuals"].items():
         figures += [residual_maps(name, found), residual_curves(name, found)]
-    return _plots(figures, "gap") + _table(header, rows, ["part"] * len(rows)) + _note(words)
+    told = _table(header, rows, ["part"] * len(rows)) + _note(words)
+    return _plots(figures, "gap") + told + _over_time(record)
+
+
+def _over_time(record: Record) -> str:
+    header = ["run", "what is left follows", "score before (lag)", "chance", "score after (lag)",
+              "chance"]  # fmt: skip
+    rows = []
+    for name, found in record["over_time"].items():
+        ends = found["before"], found["after"]
+        slow = [part for one in ends for part in ("", _number(one["slow_p_value"], ".2g"))]
+        rows.append([name, "slow changes rather than fast ones", *slow])
+        for known in found["before"]["follows"]:
+            each = [one["follows"][known] for one in ends]
+            told = [
+                part
+                for one in each
+                for part in (
+                    f"{_number(one['score'], '.1f')} ({_number(one['lag_s'], '.3g')} s)",
+                    _number(one["p_value"], ".2g"),
+                )
+            ]
+            rows.append([name, f"the {known}", *told])
+    words = (
+        "The mean over all samples, frame by frame, against what is known of the run, at the lag "
+        "where it follows that most; the chance is that noise does so at any lag."
+    )
+    return _table(header, rows, ["trace"] * len(rows)) + _note(words)
 
 
 def _first_round(record: Record) -> tuple[Sequence[Record], float]:
@@ -228,11 +255,19 @@ def _held_out(record: Record) -> str:
     header = ["run", "rms before [K]", "rms after [K]", "noise [K]", "gap closed"]
     rows = [
         [name, *(_number(one[key], ".3g") for key in ("rms_before", "rms_after", "noise")),
-         "nothing to close" if one["gap_closed"] is None else _share(one["gap_closed"])]
+         _closed(one)]
         for name, one in found.items()
     ]  # fmt: skip
     drawn = _plots([held_out_bars(found)], "held-out")
     return drawn + _table(header, rows, ["held"] * len(rows))
+
+
+def _closed(one: Record) -> str:
+    if one["gap_closed"] is None:
+        return "nothing to close"
+    ends = one["gap_closed_interval95"]
+    among = "" if ends is None else f" [{_share(ends[0])}, {_share(ends[1])}]"
+    return _share(one["gap_closed"]) + among
 
 
 def _parameters(record: Record) -> str:

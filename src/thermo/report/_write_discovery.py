@@ -15,6 +15,7 @@ from thermo.discover import (
     Effect,
     Misfit,
     Round,
+    Trace,
     Verdict,
     effects_as_arrays,
 )
@@ -45,6 +46,7 @@ def discovery_record(found: Verdict) -> dict[str, Any]:
                 "rms_after": one.rms_after,
                 "noise": one.noise,
                 "gap_closed": one.gap_closed,
+                "gap_closed_interval95": None if one.interval95 is None else list(one.interval95),
             }
             for name, one in found.held_out.items()
         },
@@ -58,6 +60,10 @@ def discovery_record(found: Verdict) -> dict[str, Any]:
         "gap": {
             name: {"before": _misfit(one), "after": _misfit(found.misfits[1][name])}
             for name, one in found.misfits[0].items()
+        },
+        "over_time": {
+            name: {"before": _trace(one), "after": _trace(found.traces[1][name])}
+            for name, one in found.traces[0].items()
         },
         "residuals": _residuals(found),
         "calibration": _calibration(found.calibration),
@@ -74,6 +80,14 @@ def _misfit(one: Misfit) -> dict[str, dict[str, float]]:
     return {
         name: {"squares": part.squares, "expected": part.expected} for name, part in parts.items()
     }
+
+
+def _trace(one: Trace) -> dict[str, Any]:
+    inputs = {
+        name: {"score": each.score, "lag_s": each.lag, "p_value": each.p_value}
+        for name, each in one.inputs.items()
+    }
+    return {"slow_p_value": one.slow, "follows": inputs}
 
 
 def _residuals(found: Verdict) -> dict[str, Any]:
@@ -201,12 +215,14 @@ def _inseparable(one: Round) -> str:
 
 def _none(found: Verdict) -> str:
     words = "A gap exists, and none of the candidates explains it"
+    fitted = ", ".join(_spoken(name) for name in found.parameters)
+    beside = f" What was fitted, {fitted}, bends to it, and is no measurement." if fitted else ""
     if not found.rounds:
-        return f"{words}."
+        return f"{words}.{beside}"
     closest = found.rounds[0]
     return (
         f"{words}; the closest is {_spoken(closest.effect.card.name)}, "
-        f"which closes {100 * closest.closed:.0f} % of it."
+        f"which closes {100 * closest.closed:.0f} % of it.{beside}"
     )
 
 

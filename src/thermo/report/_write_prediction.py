@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -57,13 +57,14 @@ def write_predictions(
     predictions: Mapping[str, Prediction],
     configuration: Mapping[str, Any],
     seconds: float,
+    effects: Sequence[str] = (),
 ) -> dict[str, Any]:
     """Write predictions to a folder, `result.json` last, and return that record.
 
     Leaves for each run `RUN.npz` (points [m], time [s], temperature [K] at the recording's samples
     and frames), `RUN.pvd` with some moments of the whole body for ParaView, and figures.
 
-    Arguments: `seconds` that the work took [s].
+    Arguments: `seconds` that the work took [s]; `effects`: names of those beside the stated ones.
     """
     for name, prediction in predictions.items():
         _write_run(folder, name, prediction)
@@ -75,6 +76,7 @@ def write_predictions(
             for name, prediction in predictions.items()
         },
         "scores_unit": "K",
+        "effects": list(effects),
         "seconds": seconds,
         "success": True,
         "versions": versions(),

@@ -217,7 +217,7 @@ def test_a_void_is_a_box_with_rounded_edges(sizes: list[float]) -> None:
     points, weights = tetrahedron_rule(12)
     corners = NODES[SPACE.mesh.cells]
     inside = np.einsum("pa,cax->cpx", points, corners)
-    box = np.exp(-((((inside - np.array(MIDDLE)) / sizes) ** 4).sum(-1))) @ weights
+    box = np.exp(-((((inside - np.array(MIDDLE)) / sizes) ** 8).sum(-1))) @ weights
     found = factor_of(Void(one(0.9), place))
     np.testing.assert_allclose(found, 1 - 0.9 * box, atol=0.02)
 

@@ -4,24 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import ClassVar, Final, final
+from typing import ClassVar, final
 
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from thermo.discover._candidate import (
-    AbstractHeatCandidate,
-    Card,
-    Place,
-)
+from thermo.discover._candidate import FINE, AbstractHeatCandidate, Card, Place
 from thermo.inverse import Conditions
 from thermo.physics import Model, VolumeRule, volume_rule
 from thermo.physics.effects import Heating, NodalSource, Schedule
-
-# Light may be gone within a cell: its integral takes a rule of this degree [1].
-_FINE: Final = 5
 
 
 def _lamps(model: Model, change: Callable[[Heating], Heating]) -> Model:
@@ -129,7 +122,7 @@ class InDepthAbsorption(AbstractHeatCandidate):
 
     def to_model(self, model: Model, under: Conditions) -> Model:
         """The model [SI] with light that reaches below the surface."""
-        mesh, rule = model.space.mesh, volume_rule(model.space, _FINE)
+        mesh, rule = model.space.mesh, volume_rule(model.space, FINE)
         middle = jnp.asarray(mesh.nodes[mesh.faces[:, :3]].mean(1))[under.lit]
         normal = jnp.asarray(mesh.normals)[under.lit]
         below = jnp.maximum(jnp.sum((middle - rule.at) * normal, -1), 0.0)

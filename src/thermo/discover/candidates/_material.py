@@ -8,9 +8,15 @@ from typing import ClassVar, final
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from thermo.discover._candidate import AbstractHeatCandidate, Card, Place, Transition
+from thermo.discover._candidate import (
+    AbstractHeatCandidate,
+    Card,
+    Place,
+    Transition,
+    cell_means,
+)
 from thermo.inverse import Conditions
-from thermo.physics import Model, volume_rule
+from thermo.physics import Model
 from thermo.physics.effects import PolynomialLaw, TransitionLaw
 
 REFERENCE = 293.15
@@ -116,7 +122,7 @@ class AnisotropicConductivity(AbstractHeatCandidate):
 
 @final
 class Void(AbstractHeatCandidate):
-    """A place that conducts poorly, k (1 - strength exp(-sum of (way / size)^4)).
+    """A place that conducts poorly, k (1 - strength exp(-sum of (way / size)^8)).
 
     Its sizes along x, y and z are free, so that it can be flat as a crack or a delamination.
     """
@@ -133,8 +139,7 @@ class Void(AbstractHeatCandidate):
     def to_model(self, model: Model, under: Conditions) -> Model:
         """The model [SI] with voids in it."""
         del under
-        # The points of a rule of this degree weigh alike.
-        boxes = self.place.boxes(volume_rule(model.space, 2).at).mean(1)
+        boxes = cell_means(model.space, self.place.boxes)
         factor = jnp.maximum(1 - self.strength @ boxes, _LEAST)
         shape = (-1,) + (1,) * (model.conductivity.ndim - 1)
         return replace(model, conductivity=model.conductivity * factor.reshape(shape))

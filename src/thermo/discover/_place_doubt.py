@@ -1,0 +1,83 @@
+"""What the places of effects may make wrong: their shapes are guesses."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from thermo.discover._allowance import Allowance, beside
+from thermo.discover._bench import steps_for
+from thermo.discover._candidate import Place, Transition
+from thermo.discover._entries import Active
+from thermo.discover._extended import Extended, readings, whitened
+from thermo.discover._search import Standing, box_of, fitted, with_few_places
+
+# As much of an effect may be elsewhere as its place says [1]. Sizes over the found one [1].
+_ELSEWHERE: Final = 0.15
+_SIZES: Final = (0.5, 2.0)
+
+Corners = Float[np.ndarray, "2 3"]
+
+
+def with_doubt(standing: Standing, allowed: Allowance) -> Standing:
+    """Fitted anew, with `allowed` and what the shapes of places at work may make wrong beside it.
+
+    Nature's places are not bells or boxes. Of each effect a share of 0.15 may be one size away
+    along any axis, or be spread half or twice as wide, each by itself at random: what is read then,
+    less what is read with all of it in place, is an error of known shape [1].
+
+    Source: Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001) 425, a discrepancy of the model.
+    """
+    small, _ = with_few_places(standing)
+    corners = box_of(small)
+    others = [one for active in small.active for one in _elsewhere(small.point, active, corners)]
+    if not others:
+        return undoubted(standing, allowed)
+    objective = steps_for(small.bench.coarse, small.point)
+    base = readings(objective, small.point)
+    made = np.zeros((len(standing.ended.residual), len(others)))
+    for number, point in enumerate(others):
+        read = readings(objective, point)
+        apart = [_ELSEWHERE * (one - known) for one, known in zip(read, base, strict=True)]
+        white = np.asarray(whitened(objective, apart))
+        made[: len(white), number] = white
+    return fitted(replace(standing, allowed=beside(allowed, made)), times=0)
+
+
+def undoubted(standing: Standing, allowed: Allowance) -> Standing:
+    """Fitted anew with `allowed` [1] alone, where it was not."""
+    if standing.allowed is allowed:
+        return standing
+    return fitted(replace(standing, allowed=allowed), times=0)
+
+
+def _elsewhere(point: Extended, active: Active, corners: Corners) -> list[Extended]:
+    """The point with an effect's place changed, one way each [1]."""
+    name, part = active
+    kind = next(n for n, one in enumerate(point.candidates) if one.card.name == name)
+    one = point.candidates[kind]
+    if one.place is None:
+        return []
+    before, after = point.candidates[:kind], point.candidates[kind + 1 :]
+    return [
+        replace(point, candidates=(*before, replace(one, place=place), *after))
+        for place in _places(one.place, part, corners)
+    ]
+
+
+def _places(place: Place | Transition, part: int, corners: Corners) -> list[Place | Transition]:
+    """A place with one part of it wider, narrower or elsewhere in the body [m, or K]."""
+    made = [replace(place, size=place.size.at[part].multiply(factor)) for factor in _SIZES]
+    centre = place.centre
+    if centre is None:
+        return made
+    if isinstance(place, Transition):
+        moved = [centre[part] + sign * place.size[part] for sign in (-1, 1)]
+    else:
+        ways = jnp.diag(jnp.broadcast_to(place.size[part], 3))
+        moved = [jnp.clip(centre[part] + sign * way, *corners) for way in ways for sign in (-1, 1)]
+    return made + [replace(place, centre=centre.at[part].set(one)) for one in moved]

@@ -1,0 +1,25 @@
+"""What each sample reads wrong all the time, as a model's misfit tells it."""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Float
+
+from thermo.observe import Run, estimate_noise
+
+
+def staying(apart: Float[np.ndarray, "frames samples"], run: Run) -> Float[np.ndarray, " samples"]:
+    """The constant error of each sample [K], where a run states how large it may be; else zero.
+
+    Its mean given the differences `apart` of readings and simulation [K], NaN where there is none:
+    their mean times s^2 / (s^2 + v), s the deviation that is stated, v the variance of that mean.
+
+    Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), section 2.1.
+    """
+    if not run.constant_error:
+        return np.zeros(apart.shape[1])
+    known = np.isfinite(apart)
+    count = known.sum(0)
+    mean = np.where(known, apart, 0.0).sum(0) / np.maximum(count, 1)
+    own = estimate_noise(run.recording).mean_variance(np.maximum(count, 1))
+    return np.where(count > 0, mean / (1 + own / run.constant_error**2), 0.0)

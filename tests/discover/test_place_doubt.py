@@ -1,0 +1,136 @@
+"""What is read were a part of an effect elsewhere counts as an error that is allowed for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from lit_box import MESH, at, one
+
+from thermo.discover import Candidate, Place, _place_doubt
+from thermo.discover._allowance import Allowance, allowance
+from thermo.discover._bench import Bench
+from thermo.discover._candidate import Transition
+from thermo.discover._descent import Ended
+from thermo.discover._extended import Extended, readings, whitened
+from thermo.discover._place_doubt import with_doubt
+from thermo.discover._search import Standing
+from thermo.discover.candidates import CameraEmissivity, InDepthAbsorption, LocalConvection
+from thermo.inverse import Objective, Ready, penalty, start
+
+from .lit_objective import objective as made
+
+TOP, SIZE = (0.013, 0.006, 0.008), 0.005  # m
+
+
+def partly(kind: type, **fields: object) -> Any:
+    """An object with some of its fields alone."""
+    made = object.__new__(kind)
+    for name, value in fields.items():
+        object.__setattr__(made, name, value)
+    return made
+
+
+def standing(objective: Objective, *candidates: Candidate) -> Standing:
+    """One at which all of the candidates' first parts are at work."""
+    point = Extended(start(objective), candidates)
+    values = sum(np.size(case.used) for case in objective.cases)
+    count = values + penalty(objective, point.fields).size
+    names = [each.card.name for each in candidates]
+    ended = Ended(point, np.zeros(count), np.zeros((count, 1)))
+    return Standing(
+        partly(Bench, coarse=objective, ready=partly(Ready, mesh=MESH)),
+        dict(zip(names, candidates, strict=True)), point, tuple((name, 0) for name in names),
+        ended, allowance([], np.eye(count)[:, :1]),
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def objective() -> Objective:
+    return made()
+
+
+@pytest.fixture(autouse=True)
+def as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No fit: what is allowed for is looked at."""
+    monkeypatch.setattr(_place_doubt, "fitted", lambda standing, **_: standing)
+
+
+def change(objective: Objective, before: Extended, after: Extended) -> np.ndarray:
+    both = zip(readings(objective, before), readings(objective, after), strict=True)
+    apart = [b - a for a, b in both]
+    white = np.asarray(whitened(objective, apart))
+    return np.append(white, np.zeros(penalty(objective, before.fields).size))[:, None]
+
+
+def test_a_patch_half_as_wide_is_within_what_is_allowed(objective: Objective) -> None:
+    patch = LocalConvection(one(3e4), at(TOP, SIZE))
+    before = standing(objective, patch)
+    after = with_doubt(before, before.allowed)
+    narrow = LocalConvection(one(3e4), at(TOP, SIZE / 2))
+    told = change(objective, before.point, Extended(before.point.fields, (narrow,)))
+    assert np.linalg.norm(told) > 30, "the patch would be seen to be another one"
+    # Of variance one at most as large as fifteen per cent of it.
+    assert np.linalg.norm(after.allowed.whiten(told)) < 1 / 0.15 + 1e-6
+    stranger = np.random.default_rng(0).normal(size=told.shape)
+    stranger[0] = 0.0
+    kept = np.linalg.norm(after.allowed.whiten(stranger)) / np.linalg.norm(stranger)
+    assert kept > 0.9, "what no place explains stays"
+
+
+def test_doubts_do_not_pile_up(objective: Objective) -> None:
+    before = standing(objective, LocalConvection(one(300.0), at(TOP, SIZE)))
+    plain = before.allowed
+    once = with_doubt(before, plain)
+    twice = with_doubt(once, plain)
+    values = np.random.default_rng(1).normal(size=(len(plain.lost), 1))
+    np.testing.assert_allclose(once.allowed.whiten(values), twice.allowed.whiten(values))
+
+
+def test_an_effect_without_a_place_leaves_no_doubt(objective: Objective) -> None:
+    before = standing(objective, CameraEmissivity(one(0.1)))
+    assert with_doubt(before, before.allowed) is before
+
+
+def test_doubt_that_has_no_ground_any_more_goes(objective: Objective) -> None:
+    patch, camera = LocalConvection(one(300.0), at(TOP, SIZE)), CameraEmissivity(one(0.1))
+    before = standing(objective, camera)
+    plain = before.allowed
+    doubted = with_doubt(standing(objective, patch), plain).allowed
+    assert with_doubt(replace(before, allowed=doubted), plain).allowed is plain
+
+
+def test_places_change_one_way_each_and_stay_in_the_body() -> None:
+    corners = np.array([[0.0, 0.0, 0.0], [0.02, 0.012, 0.008]])
+    place = Place(jnp.array([[0.001, 0.006, 0.004], list(TOP)]), jnp.array([SIZE, SIZE]))
+    found = _place_doubt._places(place, 1, corners)
+    assert len(found) == 8
+    for one_way in found:
+        assert isinstance(one_way, Place) and one_way.centre is not None
+        np.testing.assert_array_equal(one_way.centre[0], [0.001, 0.006, 0.004])
+        assert np.all(one_way.centre[1] <= corners[1])
+    sizes = [float(one_way.size[1]) for one_way in found]
+    assert sizes[:2] == [SIZE / 2, 2 * SIZE] and set(sizes[2:]) == {SIZE}
+
+
+def test_a_depth_and_a_transition_have_fewer_ways() -> None:
+    corners = np.zeros((2, 3))
+    depth = InDepthAbsorption(jnp.zeros(2), Place(None, jnp.array([1e-3, 2e-3]))).place
+    assert len(_place_doubt._places(depth, 0, corners)) == 2
+    bell = Transition(jnp.array([330.0]), jnp.array([4.0]))
+    found = _place_doubt._places(bell, 0, corners)
+    middles = sorted(float(one.centre[0]) for one in found if isinstance(one, Transition))
+    assert middles == [326.0, 330.0, 330.0, 334.0]
+
+
+def test_columns_beside_others_are_allowed_for_as_all_together() -> None:
+    make = np.random.default_rng(2)
+    errors = make.normal(size=(30, 5))
+    values = make.normal(size=(30, 2))
+    whole = allowance([], errors)
+    parts = _place_doubt.beside(allowance([], errors[:, :2]), errors[:, 2:])
+    assert isinstance(parts, Allowance)
+    np.testing.assert_allclose(parts.whiten(values), whole.whiten(values), atol=1e-10)

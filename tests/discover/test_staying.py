@@ -1,0 +1,38 @@
+"""What each sample reads wrong all the time, where a run states how large that may be."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from lit_box import FRAMES, POINTS, run
+
+from thermo.discover._staying import staying
+from thermo.observe import estimate_noise
+
+SHAPE = (len(FRAMES), len(POINTS))
+
+
+def test_nothing_is_taken_off_where_nothing_is_stated() -> None:
+    np.testing.assert_array_equal(staying(np.ones(SHAPE), run()), 0.0)
+
+
+@given(st.floats(0.01, 3.0), st.integers(0, 10**6))
+def test_it_is_the_mean_drawn_to_zero_by_what_is_stated(stated: float, seed: int) -> None:
+    one = replace(run(), constant_error=stated)
+    apart = np.random.default_rng(seed).normal(size=SHAPE)
+    apart[2, 1] = np.nan
+    white = estimate_noise(one.recording).white
+    count = np.isfinite(apart).sum(0)
+    share = stated**2 / (stated**2 + white**2 / count)
+    np.testing.assert_allclose(staying(apart, one), share * np.nanmean(apart, 0))
+
+
+def test_a_sample_that_reads_nothing_has_none() -> None:
+    apart = np.ones(SHAPE)
+    apart[:, 2] = np.nan
+    found = staying(apart, replace(run(), constant_error=20.0))
+    assert found[2] == 0.0 and found[0] == pytest.approx(1.0, rel=1e-6)
