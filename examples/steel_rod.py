@@ -80,15 +80,16 @@ def data_folder(given: str | None) -> Path:
     return Path(named) if named else ROOT / "data"
 
 
-def read_record(folder: Path) -> tuple[np.ndarray, np.ndarray]:
+def read_record(folder: Path, record: Path = RECORD) -> tuple[np.ndarray, np.ndarray]:
     """Times (frames,) [s] and temperatures (frames, 8) [K] of TC1 to TC8."""
-    path = folder / RECORD
+    path = folder / record
     if not path.is_file():
         raise FileNotFoundError(
             f"the measurement is not at {path}\n"
             "name its folder: python examples/steel_rod.py DATA_FOLDER, or set THERMOFIELD_DATA"
         )
-    table = np.loadtxt(path, skiprows=1, usecols=range(9))
+    lines = [line for line in path.read_text("utf-8").splitlines() if len(line.split()) > 8]
+    table = np.loadtxt(lines[1:], usecols=range(9))
     return table[:, 0], table[:, 1:] + KELVIN
 
 
@@ -97,13 +98,26 @@ def end_history(time: np.ndarray, temperature: np.ndarray) -> tuple[np.ndarray, 
     whole = len(time) // BLOCK * BLOCK
     middle = time[:whole].reshape(-1, BLOCK).mean(axis=1)
     mean = temperature[:whole].reshape(-1, BLOCK).mean(axis=1)
+    last = temperature[whole:] if whole < len(time) else temperature[-BLOCK:]
     stamps = np.concatenate([[0.0, LEAD], middle + LEAD, [time[-1] + LEAD]])
-    values = np.concatenate([[temperature[0]] * 2, mean, [temperature[whole:].mean()]])
+    values = np.concatenate([[temperature[0]] * 2, mean, [last.mean()]])
     return stamps, values
 
 
-def write_rod(folder: Path, time: np.ndarray, temperature: np.ndarray) -> None:
-    """Write the scene folder of the rod."""
+STEEL = StatedMaterial("stainless steel T-303", 8000.0, 500.0, FIRST_GUESS)
+LOSS = 5.0  # W/m2/K, a first guess
+
+
+def write_rod(
+    folder: Path,
+    time: np.ndarray,
+    temperature: np.ndarray,
+    material: StatedMaterial = STEEL,
+    convection: float = LOSS,
+    unknown: tuple[str, ...] = ("diffusivity", "convection"),
+    constant_error: float = 0.0,
+) -> None:
+    """Write the scene folder of a rod whose couples may each be off by a constant [K]."""
     first = temperature[0]
     room = float(first.mean())
     height = SPACING * np.arange(1, 7)
@@ -126,6 +140,7 @@ def write_rod(folder: Path, time: np.ndarray, temperature: np.ndarray) -> None:
         ambient_temperature=room,
         radiation_temperature=room,
         prescribed=tuple(ends),
+        constant_error=constant_error,
     )
     with tempfile.TemporaryDirectory() as name:
         surface = Path(name) / "surface.ply"
@@ -134,13 +149,13 @@ def write_rod(folder: Path, time: np.ndarray, temperature: np.ndarray) -> None:
         rod.export(surface)
         scene = thermo.Scene(
             folder=Path(name),
-            object="steel rod",
+            object=f"{material.name} rod",
             surface_path=surface,
             unit="m",
-            material=StatedMaterial("stainless steel T-303", 8000.0, 500.0, FIRST_GUESS),
-            convection=5.0,
+            material=material,
+            convection=convection,
             emissivity=0.0,
-            unknown=("diffusivity", "convection"),
+            unknown=unknown,
             prior={},
             runs={"heating": run},
         )
