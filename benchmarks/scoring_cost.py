@@ -3,10 +3,9 @@
     python benchmarks/scoring_cost.py SCENE [--repeats 3]
 
 SCENE is a scene folder, such as a practice case. Programs are compiled before anything is timed,
-and both are timed in turn in one process. A forward run is the stated model's, of
-all runs that are fitted, on the linear cells and few steps that scores are taken on, and on those
-that `thermo invert` uses; columns are the unknowns and every
-strength of every part of every candidate.
+and both are timed in turn in one process. A forward run is the stated model's, of all runs that are
+fitted, on the linear cells and few steps that scores are taken on, and on those that `thermo
+invert` uses; columns are the unknowns and every strength of every part of every candidate.
 """
 
 from __future__ import annotations

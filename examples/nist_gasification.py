@@ -155,15 +155,15 @@ def run(case: str, data: Path, out: Path, say: Callable[[str], None] = print) ->
 
 
 def print_rounds(verdict: Verdict) -> None:
-    """What was found, round by round."""
+    """What was found, round by round, and what is fitted beside it."""
     for number, one in enumerate(verdict.rounds, 1):
         low, high = one.effect.interval95
-        names = " or ".join(one.together)
         print(
-            f"round {number}: {names}, {one.effect.strength:.3g} {one.effect.card.unit} "
-            f"[{low:.3g}, {high:.3g}], rms {one.rms_before['panel']:.2f} to "
-            f"{one.rms_after['panel']:.2f} K"
+            f"round {number}: {' or '.join(one.together)}, {one.effect.strength:.3g} "
+            f"{one.effect.card.unit} [{low:.3g}, {high:.3g}]"
         )
+        for name, before in one.rms_before.items():
+            print(f"  {name}: rms {before:.3f} to {one.rms_after[name]:.3f} K")
     for name, (before, after) in verdict.parameters.items():
         print(f"{name}: {before:.4g} before, {after:.4g} after")
     for words in (verdict.verdict, *verdict.remarks):

@@ -16,11 +16,11 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+from nist_gasification import for_couples, print_rounds
 from steel_rod import data_folder, read_record, write_rod
 
 import thermo
-from thermo.discover import Candidate, Setting, Verdict, discover, library
-from thermo.discover.candidates import CameraDrift, CameraEmissivity
+from thermo.discover import Verdict, discover
 from thermo.inverse import Meshing, Stepping
 from thermo.observe import StatedMaterial
 from thermo.report import discovery_record, write_discovery
@@ -35,12 +35,6 @@ OFF = 0.3  # K, what a couple may be off by
 ENDS = 0.05  # K, how well the ends are known
 
 
-def for_couples(setting: Setting) -> tuple[Candidate, ...]:
-    """The library without what a camera may do wrong: these readings are thermocouples'."""
-    camera = (CameraEmissivity, CameraDrift)
-    return tuple(one for one in library(setting) if not isinstance(one, camera))
-
-
 def run(rod: str, data: Path, out: Path, say: Callable[[str], None] = print) -> Verdict:
     """Write the scene of a rod below `out`, and ask what is missing."""
     name, material = RODS[rod]
@@ -51,21 +45,6 @@ def run(rod: str, data: Path, out: Path, say: Callable[[str], None] = print) -> 
         out / "scene", model_error=ENDS, meshing=Meshing(max_nodes=3000), say=say,
         stepping=Stepping(most_frames=150, tolerance=0.02), candidates=for_couples,
     )  # fmt: skip
-
-
-def print_rounds(verdict: Verdict) -> None:
-    """What was found, round by round, and what stands beside it."""
-    for number, one in enumerate(verdict.rounds, 1):
-        low, high = one.effect.interval95
-        print(
-            f"round {number}: {' or '.join(one.together)}, {one.effect.strength:.3g} "
-            f"{one.effect.card.unit} [{low:.3g}, {high:.3g}], rms "
-            f"{one.rms_before['heating']:.3f} to {one.rms_after['heating']:.3f} K"
-        )
-    for name, (before, after) in verdict.parameters.items():
-        print(f"{name}: {before:.4g} before, {after:.4g} after")
-    for words in (verdict.verdict, *verdict.remarks):
-        print(words)
 
 
 def main() -> None:

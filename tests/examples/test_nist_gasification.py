@@ -2,31 +2,25 @@
 
 from __future__ import annotations
 
-import importlib.util
 import sys
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
+from scripts import load_example
 
 from thermo import read_scene
 from thermo.inverse._conditions import conditions
 from thermo.mesh import box_mesh
 from thermo.physics import discretise
 
-SCRIPT = Path(__file__).parents[2] / "examples" / "nist_gasification.py"
 SIDE = 4e-3
 
 
-@pytest.fixture(scope="module")
-def example() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("nist_gasification", SCRIPT)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
+@pytest.fixture
+def example(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    return load_example("nist_gasification", monkeypatch)
 
 
 @pytest.fixture
