@@ -96,6 +96,21 @@ def test_one_that_will_not_reach_its_rival_is_left(
         assert ended.loss() == pytest.approx(whole.loss()) and same == trials
 
 
+def test_one_that_promises_too_little_is_left_after_its_first_steps(
+    monkeypatch: pytest.MonkeyPatch, real: Objective
+) -> None:
+    def slow(at: jax.Array) -> jax.Array:
+        # Each step promises all of the first term, and leaves a tenth of it.
+        return jnp.stack([100 * (at[0] - 0.9) ** 3, jnp.array(80.0)])
+
+    whole, trials = least(monkeypatch, real, slow, [0.0], [False])
+    assert trials >= 6 and whole.loss() == pytest.approx(3200, abs=0.1)
+    ended, few = least(monkeypatch, real, slow, [0.0], [False], rival=1.0)
+    assert few == 2 and ended.loss() < 3500
+    near, same = least(monkeypatch, real, slow, [0.0], [False], rival=whole.loss())
+    assert near.loss() == pytest.approx(whole.loss(), abs=0.1) and same == trials
+
+
 def test_bounds_hold_and_the_rest_goes_on(monkeypatch: pytest.MonkeyPatch, real: Objective) -> None:
     ended, _ = least(
         monkeypatch, real, lambda at: 10 * (at - jnp.array([3.0, 0.2])), [0.0, 0.0], [False, False],

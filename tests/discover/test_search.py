@@ -12,7 +12,14 @@ from thermo.discover._candidate import Card
 from thermo.discover._entries import Entry
 from thermo.discover._rounds import evidence, share_closed, simplest_first, together
 from thermo.discover._scores import Score
-from thermo.discover._search import Refit, in_order, near_best, worth_a_refit
+from thermo.discover._search import (
+    Refit,
+    could_reach,
+    in_order,
+    near_best,
+    swayable,
+    worth_a_refit,
+)
 
 
 def refit(name: str, left: float, free: int, smooth: float = 1.0, *, fault: bool = False) -> Refit:
@@ -53,6 +60,12 @@ def test_the_first_is_always_measured_anew_and_those_behind_by_little_of_its_gai
     # The closest may be one that was free to be: what is first by the criterion is near itself.
     worse = in_order([refit("free", 199.0, 30), refit("poor", 199.5, 3)])
     assert names(near_best(before, worse)) == ["poor"]
+
+
+def test_who_is_measured_too_depends_on_what_measuring_changed_for_the_best() -> None:
+    best, *near = [refit("a", 50.0, 3), refit("b", 60.0, 3), refit("c", 90.0, 3)]
+    for swayed, wanted in [(0.0, []), (0.6, ["b"]), (3.0, ["b", "c"])]:
+        assert names(swayable(best, near, swayed)) == wanted
 
 
 def test_what_explains_as_much_stays_beside_the_best_however_free_it_was() -> None:
@@ -123,3 +136,12 @@ def test_a_fault_that_explains_no_more_stands_behind_an_effect(left: float, firs
     ordered = simplest_first(made, 9.0)
     assert names(ordered)[0] == first and sorted(names(ordered)) == sorted(names(made))
     assert simplest_first([], 9.0) == []
+
+
+def test_what_its_score_keeps_from_the_best_is_not_fitted() -> None:
+    # A score of 5 promises 12.5: five times that without a place, ten times with one.
+    one = refit("some", 60.0, 3).score
+    for rival, placed, plain in [(38.0, True, True), (30.0, True, False), (-30.0, False, False)]:
+        assert could_reach(one, 100.0, rival, placed=True) is placed
+        assert could_reach(one, 100.0, rival, placed=False) is plain
+    assert could_reach(one, 100.0, np.inf, placed=False), "the first has no rival"

@@ -13,15 +13,17 @@ from jaxtyping import Array, Float
 from thermo.discover._candidate import Candidate
 from thermo.discover._extended import Extended, readings
 from thermo.inverse import (
+    FINER,
     Objective,
     Ready,
     Task,
+    at_once,
     coarse_tangents,
-    finer_mesh,
     finer_readings,
     lay_out,
     make_objective,
-    prepare,
+    mesh_for,
+    stand_in,
     start,
     with_defects,
 )
@@ -58,15 +60,17 @@ class Bench:
 
 def set_up(task: Task) -> Bench:
     """Meshes [m] and programs of a task; nothing is measured yet."""
-    ready = prepare(task)
-    coarse = coarse_tangents(task, ready)
-    return Bench(task, ready, coarse, finer_mesh(task, ready))
+    stated = stand_in(task)
+    # The mesher is a process of its own: both meshes are made at once.
+    mesh, finer = at_once(lambda by: mesh_for(task, stated, by), (1.0, FINER))
+    ready = lay_out(task, mesh, stated)
+    return Bench(task, ready, coarse_tangents(task, ready), finer)
 
 
 def resolved(bench: Bench) -> Bench:
     """The bench with cells nearly as small as those that it is measured against [m]."""
     task, ready = bench.task, bench.ready
-    ready = lay_out(task, finer_mesh(task, ready, _SMALLER), ready.stated)
+    ready = lay_out(task, mesh_for(task, ready.stated, _SMALLER), ready.stated)
     return replace(bench, ready=ready, coarse=coarse_tangents(task, ready))
 
 

@@ -27,6 +27,8 @@ _DAMPING: Final = 1e-8
 _LITTLE: Final = 1e-6
 # Steps by which the pace of a fit is judged [1]: the first ones may turn into a narrow valley.
 _PACE: Final = 3
+# What a step promises all the way to its end [1], of which so many times are still hoped for.
+_HOPE: Final = 10.0
 
 
 @final
@@ -105,7 +107,8 @@ def descend(
     """Levenberg-Marquardt in scaled entries; a step that meets a bound ends on it.
 
     Residuals are measured in what is `allowed` for [1]. It ends as well where the steps that are
-    left would not reach the loss of a `rival` [1] at twice the pace of the best of the last few.
+    left would not reach the loss of a `rival` [1] at twice the pace of the best of the last few, or
+    where ten times what the linear model promises, after the first step, would not.
 
     Source: Madsen, Nielsen and Tingleff, Methods for Non-Linear Least Squares Problems (2004), 3.2.
     """
@@ -119,7 +122,9 @@ def descend(
         alike = normal / np.outer(level, level) + damping * np.eye(len(level))
         slope = here.slopes.T @ here.residual / level
         step = -np.linalg.solve(alike, slope)
-        if damping <= _LITTLE and -slope @ step / 2 < _NOTHING:
+        promised = -slope @ step / 2
+        hopeless = gains and here.loss() - _HOPE * promised > rival
+        if damping <= _LITTLE and (promised < _NOTHING or hopeless):
             break
         step *= free.scale / level
         old = np.asarray(ravel_pytree(here.point)[0])[free.number]

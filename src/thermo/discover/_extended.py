@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import final
 
@@ -14,7 +14,15 @@ from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
 from thermo.discover._candidate import Candidate
-from thermo.inverse import Case, Objective, Parameters, case_temperatures, penalty, with_fields
+from thermo.inverse import (
+    Case,
+    Objective,
+    Parameters,
+    at_once,
+    case_temperatures,
+    penalty,
+    with_fields,
+)
 from thermo.inverse import whiten as whiten_errors
 from thermo.physics import AbstractAdjoint, ForwardOnly
 
@@ -23,6 +31,9 @@ FEW, WIDTH = 4, 12
 
 STRENGTHS = (4, 8, 32)
 """The same for strengths alone: the least of these that holds all of them, or the last [1]."""
+
+Columns = tuple[Float[Array, " values"], Float[Array, "values ways"]]
+"""Values [1], and their slopes along each way."""
 
 
 @final
@@ -66,51 +77,81 @@ def _white(objective: Objective, point: Extended, case: Case) -> Float[Array, " 
     return whiten_errors(case.errors, case.used, apart).ravel()
 
 
-@eqx.filter_jit
 def readings(objective: Objective, point: Extended) -> list[Float[Array, "runs frames samples"]]:
     """What is read of each group of runs [K]."""
-    return [jax.lax.map(lambda one: _read(objective, point, one), case) for case in objective.cases]
+    alone, runs = _apart(objective)
+    each = iter(at_once(lambda case: _readings(alone, point, case), runs))
+    return [jnp.stack([next(each) for _ in case.data]) for case in objective.cases]
+
+
+def _apart(objective: Objective) -> tuple[Objective, list[Case]]:
+    """What all runs share, and each run by itself: one after the other they need one core only."""
+    runs = [
+        jax.tree.map(lambda leaf, row=row: leaf[row], case)
+        for case in objective.cases
+        for row in range(len(case.data))
+    ]
+    return replace(objective, cases=(), sequence=()), runs
+
+
+@eqx.filter_jit
+def _readings(alone: Objective, point: Extended, case: Case) -> Float[Array, "frames samples"]:
+    return _read(alone, point, case)
+
+
+def _push(
+    function: Callable[[Float[Array, " entries"]], Float[Array, " values"]],
+    at: Float[Array, " entries"],
+    ways: Float[Array, "ways entries"],
+) -> Columns:
+    return jax.vmap(lambda way: jax.jvp(function, (at,), (way,)), out_axes=(None, 1))(ways)
 
 
 @eqx.filter_jit
 def _columns(
-    objective: Objective, point: Extended, ways: Float[Array, "ways entries"]
-) -> tuple[Float[Array, " values"], Float[Array, "values ways"]]:
+    alone: Objective, point: Extended, case: Case, ways: Float[Array, "ways entries"]
+) -> Columns:
     flat, unravel = ravel_pytree(point)
+    return _push(lambda at: _white(alone, unravel(at), case), flat, ways)
 
-    def push(function):  # noqa: ANN001, ANN202
-        return jax.vmap(lambda way: jax.jvp(function, (flat,), (way,)), out_axes=(None, 1))(ways)
 
-    values, slopes = [], []
-    for case in objective.cases:
-        value, slope = jax.lax.map(
-            lambda one: push(lambda at: _white(objective, unravel(at), one)), case
-        )
-        values.append(value.ravel())
-        slopes.append(slope.reshape(-1, len(ways)))
-    value, slope = push(lambda at: penalty(objective, unravel(at).fields))
-    return jnp.concatenate([*values, value]), jnp.concatenate([*slopes, slope])
+@eqx.filter_jit
+def _penalty_columns(
+    alone: Objective, point: Extended, ways: Float[Array, "ways entries"]
+) -> Columns:
+    flat, unravel = ravel_pytree(point)
+    return _push(lambda at: penalty(alone, unravel(at).fields), flat, ways)
 
 
 def columns(
     objective: Objective, point: Extended, ways: Float[np.ndarray, "ways entries"]
 ) -> tuple[Float[np.ndarray, " values"], Float[np.ndarray, "values ways"]]:
     """Whitened residual [1] of readings and priors, and its slopes along ways of the entries."""
-    parts = []
-    value = np.zeros(0)
     width = FEW if len(ways) <= FEW else WIDTH
-    for begin in range(0, max(len(ways), 1), width):
-        some = ways[begin : begin + width]
-        filled = np.zeros((width, ways.shape[1]))
-        filled[: len(some)] = some
-        value, slope = _columns(objective, point, jnp.asarray(filled))
-        parts.append(np.asarray(slope)[:, : len(some)])
-    return np.asarray(value), np.concatenate(parts, 1)
+    alone, runs = _apart(objective)
+    chunks = _filled(ways, width) or [jnp.zeros((width, ways.shape[1]))]
+    pairs = [(case, chunk) for case in runs for chunk in chunks]
+    each = iter(at_once(lambda pair: _columns(alone, point, *pair), pairs))
+    values, slopes = [], []
+    for parts in [
+        *([next(each) for _ in chunks] for _ in runs),
+        [_penalty_columns(alone, point, chunk) for chunk in chunks],
+    ]:
+        values.append(np.asarray(parts[0][0]))
+        slopes.append(np.concatenate([np.asarray(slope) for _, slope in parts], 1))
+    return np.concatenate(values), np.concatenate(slopes)[:, : len(ways)]
+
+
+def _filled(ways: Float[np.ndarray, "ways entries"], width: int) -> list[Float[Array, "width _"]]:
+    """Ways in chunks of one width, so that one program serves all; zeros fill the last one up."""
+    filled = np.zeros((-(-len(ways) // width) * width, ways.shape[1]))
+    filled[: len(ways)] = ways
+    return [jnp.asarray(filled[begin : begin + width]) for begin in range(0, len(filled), width)]
 
 
 @eqx.filter_jit
 def _signatures(
-    objective: Objective, point: Extended, ways: Float[Array, "ways strengths"]
+    alone: Objective, point: Extended, case: Case, ways: Float[Array, "ways strengths"]
 ) -> Float[Array, "values ways"]:
     flat, unravel = ravel_pytree([one.strength for one in point.candidates])
 
@@ -118,14 +159,10 @@ def _signatures(
         pairs = zip(point.candidates, unravel(strengths), strict=True)
         return with_candidates(point, tuple(replace(one, strength=some) for one, some in pairs))
 
-    def slopes(case: Case) -> Float[Array, "values ways"]:
-        def along(way: Float[Array, " strengths"]) -> Float[Array, " values"]:
-            return jax.jvp(lambda some: _white(objective, at(some), case), (flat,), (way,))[1]
+    def along(way: Float[Array, " strengths"]) -> Float[Array, " values"]:
+        return jax.jvp(lambda some: _white(alone, at(some), case), (flat,), (way,))[1]
 
-        return jax.vmap(along, out_axes=1)(ways)
-
-    parts = [jax.lax.map(slopes, case) for case in objective.cases]
-    return jnp.concatenate([part.reshape(-1, len(ways)) for part in parts])
+    return jax.vmap(along, out_axes=1)(ways)
 
 
 def signatures(
@@ -136,16 +173,13 @@ def signatures(
     Places stay where they are, so that their shapes are made once for all ways. Priors, which no
     strength moves, follow with zeros.
     """
-    values = sum(np.size(case.used) for case in objective.cases)
-    found = np.zeros((values + penalty(objective, point.fields).size, len(ways)))
     width = next((one for one in STRENGTHS if len(ways) <= one), STRENGTHS[-1])
-    for begin in range(0, len(ways), width):
-        some = ways[begin : begin + width]
-        filled = np.zeros((width, ways.shape[1]))
-        filled[: len(some)] = some
-        slopes = np.asarray(_signatures(objective, point, jnp.asarray(filled)))
-        found[:values, begin : begin + width] = slopes[:, : len(some)]
-    return found
+    alone, runs = _apart(objective)
+    chunks = _filled(ways, width)
+    pairs = [(case, chunk) for case in runs for chunk in chunks]
+    each = iter(at_once(lambda pair: np.asarray(_signatures(alone, point, *pair)), pairs))
+    slopes = [np.concatenate([next(each) for _ in chunks], 1)[:, : len(ways)] for _ in runs]
+    return np.concatenate([*slopes, np.zeros((penalty(objective, point.fields).size, len(ways)))])
 
 
 @eqx.filter_jit

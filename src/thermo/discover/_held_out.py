@@ -15,7 +15,7 @@ from thermo.discover._bench import Bench, finer_runs
 from thermo.discover._extended import Extended, whitened
 from thermo.discover._staying import staying
 from thermo.discover._verdict import HeldOut
-from thermo.inverse import Case, Objective, coarse_tangents, lay_out
+from thermo.inverse import Case, Objective, at_once, coarse_tangents, lay_out
 from thermo.observe import Run, estimate_noise
 
 # Fewer samples than these [1] are no sample of the body; draws of them.
@@ -33,7 +33,7 @@ def held_out(bench: Bench, stated: Extended, extended: Extended) -> Mapping[str,
     ready = replace(lay_out(task, bench.ready.mesh, bench.ready.stated), fields=bench.ready.fields)
     like = coarse_tangents(task, ready)
     there = replace(bench, task=task, ready=ready, coarse=like)
-    both = [finer_runs(there, point) for point in (stated, extended)]
+    both = at_once(lambda point: finer_runs(there, point), (stated, extended))
     found, order = {}, iter(like.sequence)
     for number, case in enumerate(like.cases):
         apart = [np.nan_to_num(np.asarray(read[number]) - np.asarray(case.data)) for read in both]

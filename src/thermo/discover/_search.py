@@ -35,10 +35,15 @@ from thermo.discover._softening import omnibus
 _FEW: Final = 6
 _WORTH: Final = 0.05
 _ALL: Final = 0.5
+# What a fit may gain over what its score promises [1]: where there is a place, it moves.
+_MORE: Final = 5.0
+_MORE_WITH_PLACE: Final = 10.0
 # Kinds near the best of which what cells make wrong is measured anew [1].
 _MEASURED: Final = 3
 # Of what the best gains by the criterion, how far behind one may be to be measured anew [1].
 _NEAR: Final = 0.3
+# How far behind, over what measuring changed for the best [1]: a place may be sharper than its.
+_SWAYED: Final = 10.0
 
 Say = Callable[[str], None]
 Parts = Int[np.ndarray, " parts"]
@@ -178,7 +183,8 @@ def scored(standing: Standing, laws: tuple[Candidate, ...], *, alpha: float) -> 
     here = [one for one in entries(point) if (one.card.name, one.part) not in standing.active]
     beside = _beside_laws(standing, laws)
     there = [one for one in entries(beside) if one.card.law and one.kind >= _kept(standing)]
-    parts = [
+    # All there is may be at work.
+    parts = [np.zeros((len(standing.ended.residual), 0))] + [
         _signatures(standing, at, some) for at, some in ((point, here), (beside, there)) if some
     ]
     return score_table(
@@ -234,6 +240,15 @@ def worth_a_refit(order: list[Score]) -> list[Score]:
     ]
 
 
+def could_reach(score: Score, loss: float, rival: float, *, placed: bool) -> bool:
+    """Whether a fit might get from a loss [1] to a rival's, going by its score.
+
+    A score promises z^2 / 2, what a linear model gains by the strength; `placed`: it has a place.
+    """
+    more = _MORE_WITH_PLACE if placed else _MORE
+    return loss - more * score.z**2 / 2 <= rival
+
+
 def refits(
     standing: Standing, table: ScoreTable, laws: tuple[Candidate, ...], say: Say
 ) -> list[Refit]:
@@ -242,8 +257,11 @@ def refits(
     made: list[Refit] = []
     worth = worth_a_refit(order)
     for number, score in enumerate(worth, 1):
-        say(f"refitting {score.name()}, score {score.z:.1f}, {number} of {len(worth)}")
         rival = min((one.standing.ended.loss() for one in made), default=np.inf)
+        placed = standing.first[score.name()].place is not None
+        if not could_reach(score, standing.ended.loss(), rival, placed=placed):
+            continue
+        say(f"refitting {score.name()}, score {score.z:.1f}, {number} of {len(worth)}")
         made.append(_put_to_work(standing, score, laws, rival))
     return _measured_anew(standing, made, say) if made else []
 
@@ -267,6 +285,15 @@ def near_best(before: Ended, made: list[Refit]) -> list[Refit]:
     return [one for one in made if one.standing.ended.criterion(spread) <= most][:_MEASURED]
 
 
+def swayable(best: Refit, near: list[Refit], swayed: float) -> list[Refit]:
+    """Of refits near the best those that what cells make wrong could put first.
+
+    `swayed`: what measuring that changed in the loss of the best [1].
+    """
+    most = best.standing.ended.loss() + _SWAYED * swayed
+    return [one for one in near if one.standing.ended.loss() <= most]
+
+
 def _put_to_work(
     standing: Standing, score: Score, laws: tuple[Candidate, ...], rival: float
 ) -> Refit:
@@ -279,17 +306,20 @@ def _put_to_work(
     return Refit(score, fitted(there, times=0, rival=rival))
 
 
+def _once_more(one: Refit, say: Say) -> Refit:
+    say(f"measuring the cells' error with {one.name()}")
+    return replace(one, standing=fitted(one.standing, times=1))
+
+
 def _measured_anew(standing: Standing, made: list[Refit], say: Say) -> list[Refit]:
     """Those near the best, fitted once more with what cells make wrong where they stand."""
     made = in_order(made)
-    near = near_best(standing.ended, made)
-    again = []
-    for one in near:
-        say(f"measuring the cells' error with {one.name()}")
-        again.append(replace(one, standing=fitted(one.standing, times=1)))
-    again = in_order(again)
-    say(f"and once more with {again[0].name()}")
-    again[0] = replace(again[0], standing=fitted(again[0].standing, times=1))
+    best, *near = near_best(standing.ended, made)
+    again = [_once_more(best, say)]
+    swayed = abs(again[0].standing.ended.loss() - best.standing.ended.loss())
+    near = [best, *swayable(best, near, swayed)]
+    again = in_order(again + [_once_more(one, say) for one in near[1:]])
+    again[0] = _once_more(again[0], say)
     others = [one for one in made if all(one is not other for other in near)]
     return in_order(again) + others
 

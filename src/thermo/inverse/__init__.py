@@ -12,8 +12,8 @@ from thermo.inverse._checkpoint import Checkpoint, load_checkpoint, save_checkpo
 from thermo.inverse._conditions import Conditions
 from thermo.inverse._defect import (
     DEFECT_LEFT,
+    FINER,
     defect_sizes,
-    finer_mesh,
     finer_readings,
     with_defects,
 )
@@ -60,15 +60,17 @@ from thermo.inverse._predict import PREDICTION_NODES, predict, simulate
 from thermo.inverse._reading_errors import whiten
 from thermo.inverse._scale import SCALES, Scale
 from thermo.inverse._sensitivity import Sensitivity, sensitivity, unfitted
+from thermo.inverse._side_by_side import at_once
 from thermo.inverse._smoothing import ALL_BUT_UNIFORM
 from thermo.inverse._stages import coarse_tangents, make_objective
 from thermo.inverse._stepping import Stepping
-from thermo.inverse._task import Prior, Ready, Task, lay_out, prepare
+from thermo.inverse._task import Prior, Ready, Task, lay_out, mesh_for, stand_in
 
 __all__ = [
     "ALL_BUT_UNIFORM",
     "CONTROLS",
     "DEFECT_LEFT",
+    "FINER",
     "NORMAL",
     "PREDICTION_NODES",
     "SCALES",
@@ -111,12 +113,12 @@ __all__ = [
     "Task",
     "TwoMaterials",
     "Uniform",
+    "at_once",
     "bands",
     "case_temperatures",
     "coarse_tangents",
     "defect_sizes",
     "field_scores",
-    "finer_mesh",
     "finer_readings",
     "invert",
     "lay_out",
@@ -124,10 +126,10 @@ __all__ = [
     "load_estimate",
     "log_model",
     "make_objective",
+    "mesh_for",
     "penalty",
     "posterior",
     "predict",
-    "prepare",
     "recovered",
     "residual",
     "save_checkpoint",
@@ -136,6 +138,7 @@ __all__ = [
     "score",
     "sensitivity",
     "simulate",
+    "stand_in",
     "start",
     "summary",
     "surface_values",

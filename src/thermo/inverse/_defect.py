@@ -13,7 +13,6 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from thermo.inverse._addition import Addition
-from thermo.inverse._body import make_mesh, surface_of
 from thermo.inverse._estimate import recovered
 from thermo.inverse._forward import forward
 from thermo.inverse._objective import (
@@ -26,9 +25,11 @@ from thermo.inverse._objective import (
 )
 from thermo.inverse._properties import properties
 from thermo.inverse._reading_errors import whiten
-from thermo.inverse._task import Ready, Task
+from thermo.inverse._side_by_side import at_once
+from thermo.inverse._task import Ready, Task, mesh_for
 from thermo.inverse._transfer import carry_over
 from thermo.mesh import Mesh
+from thermo.observe import Run
 
 FINER: Final = 2.0
 """Edges and surface tolerance of the fit's mesh over those of the finer one [1]."""
@@ -56,17 +57,12 @@ def defects(
     Source: Stetter, Numerische Mathematik 29 (1978) 425, the defect correction; Kaipio and
     Somersalo, J. Comput. Appl. Math. 198 (2007) 493, the mean of the approximation error.
     """
-    there = finer_readings(task, ready, before, start(before), finer_mesh(task, ready))
+    finer = mesh_for(task, ready.stated, FINER)
+    there = finer_readings(task, ready, before, start(before), finer)
     return [
         jnp.asarray(np.where(np.isnan(finer), 0.0, finer - mine))
         for finer, mine in zip(there, _temperatures(before), strict=True)
     ]
-
-
-def finer_mesh(task: Task, ready: Ready, finer: float = FINER) -> Mesh:
-    """The mesh [m] that a fit's own is measured against, or one so much `finer` than that [1]."""
-    diffusivity = ready.stated.of("diffusivity")
-    return make_mesh(task.scene, surface_of(task.scene), diffusivity, task.meshing, finer=finer)
 
 
 def finer_readings(
@@ -86,17 +82,18 @@ def finer_readings(
     values = carry_over(recovered(with_fields(like, parameters)), ready.mesh, mesh)
     bodies = {"here": properties(ready.stated, values, *sizes)}
     tolerance = SHORTER * task.stepping.tolerance
-    order, found = iter(like.sequence), []
-    for case in like.cases:
-        rows = np.full(case.data.shape, np.nan)
-        for row in rows:
-            run = task.runs[next(order)]
-            where = f"{task.scene.folder}: runs.{run.name}.recording"
-            finer = forward(mesh, task.meshing.order, run, bodies, tolerance, where, additions)
-            wanted = np.asarray(ready.grids[run.name].frame_time)
-            read = finer.temperature[np.searchsorted(finer.time, wanted - 1e-9)]
-            row[tuple(slice(length) for length in read.shape)] = read
-        found.append(rows)
+
+    def read(run: Run) -> Float[np.ndarray, "frames samples"]:
+        where = f"{task.scene.folder}: runs.{run.name}.recording"
+        finer = forward(mesh, task.meshing.order, run, bodies, tolerance, where, additions)
+        wanted = np.asarray(ready.grids[run.name].frame_time)
+        return finer.temperature[np.searchsorted(finer.time, wanted - 1e-9)]
+
+    every = iter(at_once(read, [task.runs[number] for number in like.sequence]))
+    found = [np.full(case.data.shape, np.nan) for case in like.cases]
+    for row in (row for rows in found for row in rows):
+        one = next(every)
+        row[tuple(slice(length) for length in one.shape)] = one
     return found
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
 
 import equinox as eqx
 import numpy as np
@@ -14,13 +15,23 @@ from thermo.inverse._conditions import Conditions
 from thermo.physics import ConjugateGradient, Model, ReadOut, TimeGrid, solve_heat
 from thermo.physics.integrators import Sdirk2
 
+One = TypeVar("One")
+Made = TypeVar("Made")
+
+
+def at_once(work: Callable[[One], Made], items: Iterable[One]) -> list[Made]:
+    """What `work` makes of each item, in their order, in a thread a core.
+
+    A program by itself keeps little more than one core busy, and so does compiling it.
+    """
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(work, items))
+
 
 def solve_each(
     models: Iterable[Model], under: Conditions, grid: TimeGrid, readout: ReadOut
 ) -> list[Float[np.ndarray, "frames samples"]]:
     """Temperatures [K] at the samples for each model, in their order; compiled once for all.
-
-    A thread a core: a run by itself keeps little more than one busy.
 
     Arguments:
 
@@ -31,8 +42,7 @@ def solve_each(
     def solve(model: Model) -> Float[np.ndarray, "frames samples"]:
         return np.asarray(_solve(model, under, grid, readout))
 
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(solve, models))
+    return at_once(solve, models)
 
 
 @eqx.filter_jit

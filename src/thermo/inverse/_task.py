@@ -149,13 +149,23 @@ def what_is_asked(
 
 def prepare(task: Task) -> Ready:
     """Mesh the body [m], lay out its fields and plan the steps of each run [s]."""
-    scene, initial = task.scene, task.initial
-    surface = surface_of(scene)
-    guess = 1.0
+    stated = stand_in(task)
+    return lay_out(task, mesh_for(task, stated), stated)
+
+
+def stand_in(task: Task) -> Stated:
+    """What is stated, and what stands in for what is not [SI]."""
+    scene, initial, guess = task.scene, task.initial, 1.0
     if scene.material.conductivity is None and not {"conductivity", "diffusivity"} & set(initial):
-        guess = scan_conductivity(scene, surface, list(task.runs), task.meshing)
-    stated = state(scene, initial, guess)
-    return lay_out(task, make_mesh(scene, surface, stated.of("diffusivity"), task.meshing), stated)
+        guess = scan_conductivity(scene, surface_of(scene), list(task.runs), task.meshing)
+    return state(scene, initial, guess)
+
+
+def mesh_for(task: Task, stated: Stated, finer: float = 1.0) -> Mesh:
+    """The mesh of a fit [m], or one whose lengths are divided by `finer` [1]."""
+    scene = task.scene
+    diffusivity = stated.of("diffusivity")
+    return make_mesh(scene, surface_of(scene), diffusivity, task.meshing, finer=finer)
 
 
 def lay_out(task: Task, mesh: Mesh, stated: Stated) -> Ready:

@@ -164,7 +164,7 @@ class AmbientDrift(AbstractHeatCandidate):
     """
 
     card: ClassVar[Card] = Card(
-        "ambient_drift", "K", 10.0, -200.0, 200.0,
+        "ambient_drift", "K", 10.0, -50.0, 50.0,
         excited_by="long runs",
         hides_behind="radiation, convection",
         split_by="the surroundings logged; a repeat in reverse order",
