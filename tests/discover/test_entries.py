@@ -129,7 +129,7 @@ def test_what_has_no_place_has_its_strength_alone(point: Extended, flat: np.ndar
 
 
 def test_the_strengths_of_a_history_are_free_together(point: Extended, flat: np.ndarray) -> None:
-    wanted = [(value, 5.0, -200.0, 200.0) for value in (1.0, 2.0, 3.0)]
+    wanted = [(value, 5.0, -50.0, 50.0) for value in (1.0, 2.0, 3.0)]
     check(free_of(point, "ambient_drift", 0), flat, wanted)
 
 

@@ -17,7 +17,6 @@ from thermo.discover._search import (
     could_reach,
     in_order,
     near_best,
-    swayable,
     worth_a_refit,
 )
 
@@ -60,12 +59,6 @@ def test_the_first_is_always_measured_anew_and_those_behind_by_little_of_its_gai
     # The closest may be one that was free to be: what is first by the criterion is near itself.
     worse = in_order([refit("free", 199.0, 30), refit("poor", 199.5, 3)])
     assert names(near_best(before, worse)) == ["poor"]
-
-
-def test_who_is_measured_too_depends_on_what_measuring_changed_for_the_best() -> None:
-    best, *near = [refit("a", 50.0, 3), refit("b", 60.0, 3), refit("c", 90.0, 3)]
-    for swayed, wanted in [(0.0, []), (0.6, ["b"]), (3.0, ["b", "c"])]:
-        assert names(swayable(best, near, swayed)) == wanted
 
 
 def test_what_explains_as_much_stays_beside_the_best_however_free_it_was() -> None:

@@ -42,8 +42,6 @@ _MORE_WITH_PLACE: Final = 10.0
 _MEASURED: Final = 3
 # Of what the best gains by the criterion, how far behind one may be to be measured anew [1].
 _NEAR: Final = 0.3
-# How far behind, over what measuring changed for the best [1]: a place may be sharper than its.
-_SWAYED: Final = 10.0
 
 Say = Callable[[str], None]
 Parts = Int[np.ndarray, " parts"]
@@ -285,15 +283,6 @@ def near_best(before: Ended, made: list[Refit]) -> list[Refit]:
     return [one for one in made if one.standing.ended.criterion(spread) <= most][:_MEASURED]
 
 
-def swayable(best: Refit, near: list[Refit], swayed: float) -> list[Refit]:
-    """Of refits near the best those that what cells make wrong could put first.
-
-    `swayed`: what measuring that changed in the loss of the best [1].
-    """
-    most = best.standing.ended.loss() + _SWAYED * swayed
-    return [one for one in near if one.standing.ended.loss() <= most]
-
-
 def _put_to_work(
     standing: Standing, score: Score, laws: tuple[Candidate, ...], rival: float
 ) -> Refit:
@@ -314,11 +303,8 @@ def _once_more(one: Refit, say: Say) -> Refit:
 def _measured_anew(standing: Standing, made: list[Refit], say: Say) -> list[Refit]:
     """Those near the best, fitted once more with what cells make wrong where they stand."""
     made = in_order(made)
-    best, *near = near_best(standing.ended, made)
-    again = [_once_more(best, say)]
-    swayed = abs(again[0].standing.ended.loss() - best.standing.ended.loss())
-    near = [best, *swayable(best, near, swayed)]
-    again = in_order(again + [_once_more(one, say) for one in near[1:]])
+    near = near_best(standing.ended, made)
+    again = in_order([_once_more(one, say) for one in near])
     again[0] = _once_more(again[0], say)
     others = [one for one in made if all(one is not other for other in near)]
     return in_order(again) + others
