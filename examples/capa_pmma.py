@@ -32,12 +32,12 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
+from asking import tell
 
 import thermo
 from thermo.discover import Verdict, discover
 from thermo.inverse import Meshing, Stepping
 from thermo.observe import Box, Heater, Recording, Run, StatedMaterial, write_scene
-from thermo.report import discovery_record, write_discovery
 
 ROOT = Path(__file__).resolve().parents[1]
 RECORDS = Path("measured/umd_capa_pmma")
@@ -118,15 +118,7 @@ def main() -> None:
         verdict = run(Path(named) if named else ROOT / "data", asked.out, runs)
     except (FileNotFoundError, thermo.InputError) as fault:
         sys.exit(f"capa_pmma: {fault}")
-    for one in verdict.rounds:
-        print(f"{' or '.join(one.together)}: rms {one.rms_before} to {one.rms_after} K")
-    for name, (before, after) in verdict.parameters.items():
-        print(f"{name}: {before:.4g} before, {after:.4g} after")
-    print(*(f"rms {name}: {fit.rmse:.2f} K" for name, fit in verdict.extended.runs.items()))
-    record = discovery_record(verdict) | {"object": "PMMA slab"}
-    print(*record["sentences"], sep="\n")
-    write_discovery(asked.out, verdict, record)
-    print(f"page: {asked.out / 'verdict.html'}")
+    tell(verdict, "PMMA slab", asked.out)
 
 
 if __name__ == "__main__":

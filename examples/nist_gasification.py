@@ -29,10 +29,10 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
+from asking import for_couples, tell
 
 import thermo
-from thermo.discover import Candidate, Setting, Verdict, discover, library
-from thermo.discover.candidates import CameraDrift, CameraEmissivity
+from thermo.discover import Verdict, discover
 from thermo.inverse import Meshing, Stepping
 from thermo.observe import (
     Box,
@@ -44,7 +44,6 @@ from thermo.observe import (
     StatedMaterial,
     write_scene,
 )
-from thermo.report import discovery_record, write_discovery
 
 ROOT = Path(__file__).resolve().parents[1]
 RECORDS = Path("measured/nist_gasification")
@@ -138,12 +137,6 @@ CASES: dict[str, Callable[[Path, Path], tuple[float, float]]] = {
 }  # fmt: skip
 
 
-def for_couples(setting: Setting) -> tuple[Candidate, ...]:
-    """The library without what a camera may do wrong: these readings are thermocouples'."""
-    camera = (CameraEmissivity, CameraDrift)
-    return tuple(one for one in library(setting) if not isinstance(one, camera))
-
-
 def run(case: str, data: Path, out: Path, say: Callable[[str], None] = print) -> Verdict:
     """Write the scene of a case below `out`, and ask what is missing."""
     out.mkdir(parents=True, exist_ok=True)
@@ -152,22 +145,6 @@ def run(case: str, data: Path, out: Path, say: Callable[[str], None] = print) ->
         out / "scene", model_error=error, meshing=Meshing(max_nodes=1000), say=say,
         stepping=Stepping(most_frames=120), candidates=for_couples,
     )  # fmt: skip
-
-
-def print_rounds(verdict: Verdict) -> None:
-    """What was found, round by round, and what is fitted beside it."""
-    for number, one in enumerate(verdict.rounds, 1):
-        low, high = one.effect.interval95
-        print(
-            f"round {number}: {' or '.join(one.together)}, {one.effect.strength:.3g} "
-            f"{one.effect.card.unit} [{low:.3g}, {high:.3g}]"
-        )
-        for name, before in one.rms_before.items():
-            print(f"  {name}: rms {before:.3f} to {one.rms_after[name]:.3f} K")
-    for name, (before, after) in verdict.parameters.items():
-        print(f"{name}: {before:.4g} before, {after:.4g} after")
-    for words in (verdict.verdict, *verdict.remarks):
-        print(words)
 
 
 def main() -> None:
@@ -183,9 +160,7 @@ def main() -> None:
         verdict = run(asked.case, Path(named) if named else ROOT / "data", out)
     except (FileNotFoundError, thermo.InputError) as fault:
         sys.exit(f"nist_gasification: {fault}")
-    print_rounds(verdict)
-    write_discovery(out, verdict, discovery_record(verdict) | {"object": asked.case})
-    print(f"page: {out / 'verdict.html'}")
+    tell(verdict, asked.case, out)
 
 
 if __name__ == "__main__":

@@ -16,14 +16,13 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from nist_gasification import for_couples, print_rounds
+from asking import for_couples, tell
 from steel_rod import data_folder, read_record, write_rod
 
 import thermo
 from thermo.discover import Verdict, discover
 from thermo.inverse import Meshing, Stepping
 from thermo.observe import StatedMaterial
-from thermo.report import discovery_record, write_discovery
 
 FOLDER = Path("measured/cu_boulder_rods")
 RODS = {
@@ -59,9 +58,7 @@ def main() -> None:
         verdict = run(asked.rod, data_folder(asked.data), out)
     except (FileNotFoundError, thermo.InputError) as fault:
         sys.exit(f"rod_losses: {fault}")
-    print_rounds(verdict)
-    write_discovery(out, verdict, discovery_record(verdict) | {"object": f"{asked.rod} rod"})
-    print(f"page: {out / 'verdict.html'}")
+    tell(verdict, f"{asked.rod} rod", out)
 
 
 if __name__ == "__main__":
