@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from standings import VALUES, standing
 
+from thermo.discover import _search as module
 from thermo.discover._candidate import Card
 from thermo.discover._entries import Entry
 from thermo.discover._rounds import evidence, share_closed, simplest_first, together
-from thermo.discover._scores import Score
+from thermo.discover._scores import Score, ScoreTable
 from thermo.discover._search import (
     Refit,
     could_reach,
     in_order,
     near_best,
+    refits,
+    scored,
     worth_a_refit,
 )
 
@@ -138,3 +142,27 @@ def test_what_its_score_keeps_from_the_best_is_not_fitted() -> None:
         assert could_reach(one, 100.0, rival, placed=True) is placed
         assert could_reach(one, 100.0, rival, placed=False) is plain
     assert could_reach(one, 100.0, np.inf, placed=False), "the first has no rival"
+
+
+def test_the_search_leaves_what_could_not_reach_the_best(monkeypatch: pytest.MonkeyPatch) -> None:
+    begun = standing(2 * VALUES, 1)
+    kinds = {"best": 12.0, "near": 6.0, "far": 3.5}
+    scores = [replace(refit(name, 60.0, 2).score, z=z) for name, z in kinds.items()]
+    first = {one.name(): SimpleNamespace(place=None) for one in scores}
+    object.__setattr__(begun, "first", first)
+    fitted: list[str] = []
+
+    def put_to_work(_: object, score: Score, *__: object) -> Refit:
+        fitted.append(score.name())
+        return refit(score.name(), 2.0, 2)
+
+    monkeypatch.setattr(module, "_put_to_work", put_to_work)
+    monkeypatch.setattr(module, "_measured_anew", lambda _, made, __: made)
+    table = ScoreTable(scores, [], 3.0, np.eye(3), np.zeros((VALUES, 3)))
+    # Of 80 squares the best leaves 2; a score of 6 might close all, one of 3.5 a fifth of it.
+    assert names(refits(begun, table, (), lambda _: None)) == fitted == ["best", "near"]
+
+
+def test_where_all_there_is_stands_at_work_nothing_is_scored() -> None:
+    found = scored(standing(60.0, 2), (), alpha=0.04)
+    assert found.scores == [] and found.unseen == [] and found.threshold > 2

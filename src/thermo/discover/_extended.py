@@ -11,7 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from thermo.discover._candidate import Candidate
 from thermo.inverse import (
@@ -34,6 +34,9 @@ STRENGTHS = (4, 8, 32)
 
 Columns = tuple[Float[Array, " values"], Float[Array, "values ways"]]
 """Values [1], and their slopes along each way."""
+
+OneRun = tuple[Case, Int[Array, ""]]
+"""Runs of one shape, and the row of one of them [1]."""
 
 
 @final
@@ -80,23 +83,26 @@ def _white(objective: Objective, point: Extended, case: Case) -> Float[Array, " 
 def readings(objective: Objective, point: Extended) -> list[Float[Array, "runs frames samples"]]:
     """What is read of each group of runs [K]."""
     alone, runs = _apart(objective)
-    each = iter(at_once(lambda case: _readings(alone, point, case), runs))
+    each = iter(at_once(lambda run: _readings(alone, point, *run), runs))
     return [jnp.stack([next(each) for _ in case.data]) for case in objective.cases]
 
 
-def _apart(objective: Objective) -> tuple[Objective, list[Case]]:
+def _apart(objective: Objective) -> tuple[Objective, list[OneRun]]:
     """What all runs share, and each run by itself: one after the other they need one core only."""
-    runs = [
-        jax.tree.map(lambda leaf, row=row: leaf[row], case)
-        for case in objective.cases
-        for row in range(len(case.data))
-    ]
+    runs = [(case, jnp.asarray(row)) for case in objective.cases for row in range(len(case.data))]
     return replace(objective, cases=(), sequence=()), runs
 
 
+def _one(group: Case, row: Int[Array, ""]) -> Case:
+    # Within a program, so that rows are not cut out again whenever it runs.
+    return jax.tree.map(lambda leaf: leaf[row], group)
+
+
 @eqx.filter_jit
-def _readings(alone: Objective, point: Extended, case: Case) -> Float[Array, "frames samples"]:
-    return _read(alone, point, case)
+def _readings(
+    alone: Objective, point: Extended, group: Case, row: Int[Array, ""]
+) -> Float[Array, "frames samples"]:
+    return _read(alone, point, _one(group, row))
 
 
 def _push(
@@ -109,9 +115,14 @@ def _push(
 
 @eqx.filter_jit
 def _columns(
-    alone: Objective, point: Extended, case: Case, ways: Float[Array, "ways entries"]
+    alone: Objective,
+    point: Extended,
+    group: Case,
+    row: Int[Array, ""],
+    ways: Float[Array, "ways entries"],
 ) -> Columns:
     flat, unravel = ravel_pytree(point)
+    case = _one(group, row)
     return _push(lambda at: _white(alone, unravel(at), case), flat, ways)
 
 
@@ -129,9 +140,9 @@ def columns(
     """Whitened residual [1] of readings and priors, and its slopes along ways of the entries."""
     width = FEW if len(ways) <= FEW else WIDTH
     alone, runs = _apart(objective)
-    chunks = _filled(ways, width) or [jnp.zeros((width, ways.shape[1]))]
-    pairs = [(case, chunk) for case in runs for chunk in chunks]
-    each = iter(at_once(lambda pair: _columns(alone, point, *pair), pairs))
+    chunks = _filled(ways, width)
+    work = [(*run, chunk) for run in runs for chunk in chunks]
+    each = iter(at_once(lambda one: _columns(alone, point, *one), work))
     values, slopes = [], []
     for parts in [
         *([next(each) for _ in chunks] for _ in runs),
@@ -151,9 +162,14 @@ def _filled(ways: Float[np.ndarray, "ways entries"], width: int) -> list[Float[A
 
 @eqx.filter_jit
 def _signatures(
-    alone: Objective, point: Extended, case: Case, ways: Float[Array, "ways strengths"]
+    alone: Objective,
+    point: Extended,
+    group: Case,
+    row: Int[Array, ""],
+    ways: Float[Array, "ways strengths"],
 ) -> Float[Array, "values ways"]:
     flat, unravel = ravel_pytree([one.strength for one in point.candidates])
+    case = _one(group, row)
 
     def at(strengths: Float[Array, " strengths"]) -> Extended:
         pairs = zip(point.candidates, unravel(strengths), strict=True)
@@ -176,8 +192,8 @@ def signatures(
     width = next((one for one in STRENGTHS if len(ways) <= one), STRENGTHS[-1])
     alone, runs = _apart(objective)
     chunks = _filled(ways, width)
-    pairs = [(case, chunk) for case in runs for chunk in chunks]
-    each = iter(at_once(lambda pair: np.asarray(_signatures(alone, point, *pair)), pairs))
+    work = [(*run, chunk) for run in runs for chunk in chunks]
+    each = iter(at_once(lambda one: np.asarray(_signatures(alone, point, *one)), work))
     slopes = [np.concatenate([next(each) for _ in chunks], 1)[:, : len(ways)] for _ in runs]
     return np.concatenate([*slopes, np.zeros((penalty(objective, point.fields).size, len(ways)))])
 
