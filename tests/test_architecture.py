@@ -17,6 +17,7 @@ ROOMS = (
     "fields",
     "physics",
     "observe",
+    "imaging",
     "inverse",
     "identify",
     "discover",
@@ -27,8 +28,8 @@ ROOMS = (
 # Modules at the top that belong to no room: what they may import is what stands left of the rank.
 TOP = {"_cache_folder": -1, "_compiled": 0, "_conflict": 0}
 TOP |= dict.fromkeys(("__init__", "__main__"), len(ROOMS))
-SILENT = ("errors", "mesh", "fields", "physics", "observe", "inverse", "identify", "discover")
-WITH_UNITS = ("mesh", "fields", "physics", "observe", "inverse", "identify", "discover")
+SILENT = ROOMS[: ROOMS.index("report")]
+WITH_UNITS = SILENT[1:]
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 

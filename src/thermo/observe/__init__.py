@@ -13,11 +13,12 @@ from ._camera_noise import with_camera_noise
 from ._course import Course
 from ._distance import check_distance
 from ._heater import Heater
-from ._kelvin import COLDEST, HOTTEST
+from ._kelvin import COLDEST, HOTTEST, check_kelvin
 from ._noise import Noise, estimate_noise, variance_error
+from ._number import check_number, real_array
 from ._prescribed import Prescribed, read_history
 from ._quiet_check import QuietCheck, check_quiet
-from ._recording import Recording
+from ._recording import Recording, check_time
 from ._recording_read import read_recording
 from ._recording_write import write_recording
 from ._scene import QUANTITIES, Run, Scene, StatedMaterial
@@ -43,11 +44,15 @@ __all__ = [
     "StatedMaterial",
     "bind",
     "check_distance",
+    "check_kelvin",
+    "check_number",
     "check_quiet",
+    "check_time",
     "estimate_noise",
     "read_history",
     "read_recording",
     "read_scene",
+    "real_array",
     "seen_from",
     "variance_error",
     "with_camera_noise",

@@ -29,7 +29,8 @@ def check_number(
     - `value`: what the user gave.
     - `where`: the file and key, for the message.
     - `quantity`: its name and SI unit, for the message.
-    - `above`, `least`, `most`: open lower, closed lower and closed upper limit.
+    - `above`, `least`, `most`: open lower, closed lower and closed upper limit, in the quantity's
+      unit.
     - `remedy`: what the user can do.
 
     Raises `InputError` if it is no real number, not finite or outside the limits.
@@ -70,7 +71,7 @@ def check_vector(value: object, *, where: str, quantity: str) -> np.ndarray:
 
 
 def real_array(value: object, *, where: str, quantity: str) -> np.ndarray:
-    """Return `value` as a float64 array of any shape, or raise `InputError`."""
+    """Return `value` as float64 of any shape, in the quantity's unit, or raise `InputError`."""
     try:
         array = np.asarray(value)
     except ValueError:
