@@ -4,16 +4,21 @@ from ._field_record import band_record, field_record, surface_record, write_fiel
 from ._figure_curves import figure_curves
 from ._figure_field import figure_field
 from ._figure_history import figure_history
+from ._figure_rendering import figure_rendering
 from ._figure_residuals import figure_residuals
 from ._figure_robustness import RepeatedFits, figure_robustness
 from ._figure_transfer import TransferMap, figure_transfer
 from ._folder import require_writable
 from ._json import write_json
+from ._live import log_to_rerun
 from ._npz import write_npz
 from ._progress import Progress
 from ._table import table
 from ._text import write_text
 from ._versions import versions
+from ._viewer import Layer, Readings, Viewer
+from ._viewer_page import write_viewer
+from ._viewer_prediction import viewer_of_prediction
 from ._vtk import write_pvd, write_vtu
 from ._write_discovery import discovery_record, discovery_table, write_discovery
 from ._write_identifiability import (
@@ -23,19 +28,23 @@ from ._write_identifiability import (
 )
 from ._write_inversion import inversion_record, inversion_table, write_inversion
 from ._write_prediction import prediction_table, write_predictions
+from ._write_registration import write_registration
 
 __all__ = [
-    "discovery_record",
-    "discovery_table",
-    "write_discovery",
+    "Layer",
     "Progress",
+    "Readings",
     "RepeatedFits",
     "TransferMap",
+    "Viewer",
     "band_record",
+    "discovery_record",
+    "discovery_table",
     "field_record",
     "figure_curves",
     "figure_field",
     "figure_history",
+    "figure_rendering",
     "figure_residuals",
     "figure_robustness",
     "figure_transfer",
@@ -43,11 +52,14 @@ __all__ = [
     "identifiability_table",
     "inversion_record",
     "inversion_table",
+    "log_to_rerun",
     "prediction_table",
     "require_writable",
     "surface_record",
     "table",
     "versions",
+    "viewer_of_prediction",
+    "write_discovery",
     "write_fields_left",
     "write_identifiability",
     "write_inversion",
@@ -55,6 +67,8 @@ __all__ = [
     "write_npz",
     "write_predictions",
     "write_pvd",
+    "write_registration",
     "write_text",
+    "write_viewer",
     "write_vtu",
 ]

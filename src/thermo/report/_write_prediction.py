@@ -7,7 +7,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from thermo.inverse import Prediction
+from thermo.inverse import Prediction, RecoveredField
+from thermo.mesh import Mesh
 
 from ._figure_curves import figure_curves
 from ._figure_residuals import figure_residuals
@@ -15,11 +16,19 @@ from ._json import write_json
 from ._npz import write_npz
 from ._table import table
 from ._versions import versions
+from ._viewer_page import write_viewer
+from ._viewer_prediction import viewer_of_prediction
 from ._vtk import write_pvd, write_vtu
 from ._write_inversion import rms_of
 
 
-def _write_run(folder: Path, name: str, prediction: Prediction) -> None:
+def _write_run(
+    folder: Path,
+    name: str,
+    prediction: Prediction,
+    mesh_of_fields: Mesh | None,
+    fields: Mapping[str, RecoveredField],
+) -> None:
     write_npz(
         folder / f"{name}.npz",
         points=prediction.points,
@@ -49,6 +58,9 @@ def _write_run(folder: Path, name: str, prediction: Prediction) -> None:
         rms_of(prediction.temperature, prediction.measured),
         f"Residual of {name}",
     )
+    title = f"Prediction of {name}"
+    viewer = viewer_of_prediction(title, prediction, mesh=mesh_of_fields, fields=fields)
+    write_viewer(folder / f"{name}.html", viewer)
 
 
 def write_predictions(
@@ -58,16 +70,21 @@ def write_predictions(
     configuration: Mapping[str, Any],
     seconds: float,
     effects: Sequence[str] = (),
+    *,
+    mesh: Mesh | None = None,
+    fields: Mapping[str, RecoveredField] | None = None,
 ) -> dict[str, Any]:
     """Write predictions to a folder, `result.json` last, and return that record.
 
     Leaves for each run `RUN.npz` (points [m], time [s], temperature [K] at the recording's samples
-    and frames), `RUN.pvd` with some moments of the whole body for ParaView, and figures.
+    and frames), `RUN.pvd` with some moments of the whole body for ParaView, `RUN.html`, which shows
+    them on the surface with a slider over time, and figures.
 
-    Arguments: `seconds` that the work took [s]; `effects`: names of those beside the stated ones.
+    Arguments: `seconds` that the work took [s]; `effects`: names of those beside the stated ones;
+    `mesh` [m] and `fields` of the fit [SI], which `RUN.html` shows as well.
     """
     for name, prediction in predictions.items():
-        _write_run(folder, name, prediction)
+        _write_run(folder, name, prediction, mesh, fields or {})
     record = {
         "format": "thermofield-result/1",
         "verb": verb,
