@@ -21,6 +21,8 @@ from thermo import errors
 from thermo.app import _verbs
 from thermo.app._discover import discover
 from thermo.app._identify import identify
+from thermo.app._register import register
+from thermo.app._render import render_run
 from thermo.app._sweep import WORDS, finished, job_folder
 
 VERBS: Mapping[str, Callable[[Mapping[str, Any]], None]] = {
@@ -29,11 +31,13 @@ VERBS: Mapping[str, Callable[[Mapping[str, Any]], None]] = {
     "identify": identify,
     "invert": _verbs.invert,
     "predict": _verbs.predict,
+    "register": register,
+    "render": render_run,
     "simulate": _verbs.simulate,
     "study": _verbs.study,
 }
 
-RESUMED = ("invert", "study")
+RESUMED = ("invert", "render", "study")
 """Verbs that go on where they were stopped."""
 
 STUDIES = ("paper",)
@@ -47,6 +51,8 @@ HELP = """thermo VERB key=value ...
   thermo ensemble folder=DIR
   thermo identify data=FOLDER estimate=DIR out=DIR
   thermo discover data=FOLDER out=DIR
+  thermo render data=FOLDER run=a cameras=transforms.json out=DIR
+  thermo register frames=[a,b] cameras=transforms.json surface=FILE out=FOLDER
   thermo study paper data=SCENES size=quick out=DIR
 
 `thermo VERB --help` shows every setting; -m runs all combinations of values joined by commas.

@@ -110,7 +110,10 @@ def predict(settings: Configuration) -> None:
     )
     seconds = time.monotonic() - begun
     taken = [one.card.name for one in effects or ()]
-    record = write_predictions(out, "predict", predictions, settings, seconds, taken)
+    mesh, _, _, fields = inverse.load_estimate(estimate / "estimate.npz")
+    record = write_predictions(
+        out, "predict", predictions, settings, seconds, taken, mesh=mesh, fields=fields
+    )
     print(f"{prediction_table(record)}\n\n{out / 'result.json'}, {seconds:.0f} s")
 
 
