@@ -9,11 +9,18 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
+from bricks import lay_bricks
 
 from .conftest import Command
 
 MESH = ("mesh=tet4", "mesh.max_nodes=1500", "integrator.tolerance=0.1")
 UNKNOWN = "unknown=[conductivity,volumetric_heat_capacity,convection]"
+
+
+@pytest.fixture(autouse=True)
+def bricks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What cells make wrong, and so every interval, is of one mesh on all machines."""
+    lay_bricks(monkeypatch, (10, 7, 5))
 
 
 def record(folder: Path) -> dict[str, Any]:

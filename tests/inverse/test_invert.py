@@ -10,7 +10,8 @@ from typing import Any
 import jax
 import numpy as np
 import pytest
-from box_scene import CONDUCTIVITY, NOISE, SIZE, edit
+from box_scene import CONDUCTIVITY, NOISE, edit
+from bricks import lay_bricks
 
 from thermo.errors import InputError
 from thermo.fields import DirectField, TwoMaterialField, place_control_points
@@ -23,12 +24,10 @@ from thermo.inverse import (
     Stepping,
     TwoMaterials,
     Uniform,
-    _task,
     invert,
 )
 from thermo.inverse import _invert as module
 from thermo.inverse._smoothing import ALL_BUT_UNIFORM
-from thermo.mesh import Mesh, box_mesh
 from thermo.observe import Scene, read_scene
 from thermo.physics.integrators import BackwardEuler
 
@@ -246,11 +245,7 @@ def test_names_are_checked_before_any_work(scene: Scene, monkeypatch: pytest.Mon
 @pytest.fixture
 def lattice(monkeypatch: pytest.MonkeyPatch) -> None:
     """Bricks, not those of the data, in place of the mesher's mesh, which is another each time."""
-
-    def make(*_: object, finer: float = 1.0) -> Mesh:
-        return box_mesh(SIZE.tolist(), [round(finer * count) for count in (7, 6, 3)])
-
-    monkeypatch.setattr(_task, "make_mesh", make)
+    lay_bricks(monkeypatch, (7, 6, 3))
 
 
 @pytest.mark.usefixtures("lattice")
