@@ -61,3 +61,17 @@ def test_a_camera_inside_is_refused(camera: tuple[float, float, float]) -> None:
     with pytest.raises(InputError) as caught:
         seen_from(surface(trimesh.creation.box(extents=(0.1,) * 3)), np.array(camera), 10)
     assert caught.value.where == "camera" and "m" in caught.value.limit
+
+
+def test_a_camera_inside_sees_nothing_through_the_walls() -> None:
+    # Of a bent body the inner side of the other arm turns its front to a place within this one.
+    around = np.array([(0, 0), (0.1, 0), (0.1, 0.02), (0.02, 0.02), (0.02, 0.1), (0, 0.1)])
+    vertices = np.concatenate([np.c_[around, np.zeros(6)], np.c_[around, np.full(6, 0.02)]])
+    fan = np.array([(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)])
+    one = np.arange(6)
+    other = (one + 1) % 6
+    sides = [np.stack([one, other, other + 6], 1), np.stack([one, other + 6, one + 6], 1)]
+    bent = Surface(vertices, np.concatenate([fan[:, ::-1], fan + 6, *sides]))
+    assert bent.volume() == pytest.approx(0.0036 * 0.02)
+    with pytest.raises(InputError, match="sees nothing of the body"):
+        seen_from(bent, np.array([0.09, 0.01, 0.01]), 10)

@@ -65,6 +65,7 @@ from thermo.inverse._smoothing import ALL_BUT_UNIFORM
 from thermo.inverse._stages import coarse_tangents, make_objective
 from thermo.inverse._stepping import Stepping
 from thermo.inverse._task import Prior, Ready, Task, lay_out, mesh_for, stand_in
+from thermo.inverse._transfer import carry_over
 
 __all__ = [
     "ALL_BUT_UNIFORM",
@@ -115,6 +116,7 @@ __all__ = [
     "Uniform",
     "at_once",
     "bands",
+    "carry_over",
     "case_temperatures",
     "coarse_tangents",
     "defect_sizes",

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 import zlib
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,6 +14,7 @@ import numpy as np
 
 from thermo.errors import InputError
 from thermo.inverse._objective import Parameters
+from thermo.observe import replacing
 
 Leaves = list[np.ndarray]
 """Parameters [1] without their names, as a file holds them."""
@@ -54,14 +53,8 @@ def save_checkpoint(path: Path, state: Checkpoint) -> None:
         for number, leaf in enumerate(leaves):
             arrays[f"{label}_{number:03d}"] = leaf
     arrays.update({f"memory_{name}": value for name, value in state.memory.items()})
-    handle, name = tempfile.mkstemp(dir=path.parent, suffix=".npz")
-    os.close(handle)
-    try:
-        np.savez(name, allow_pickle=False, **arrays)
-        os.chmod(name, 0o644)  # what mkstemp makes only its owner may read
-        os.replace(name, path)
-    finally:
-        Path(name).unlink(missing_ok=True)
+    with replacing(path) as temporary:
+        np.savez(temporary, allow_pickle=False, **arrays)
 
 
 def _unreadable(where: str, fault: Exception) -> InputError:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import secrets
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,6 +16,7 @@ from thermo.errors import InputError
 from thermo.fields import QUANTITIES, AbstractField, Boundary, TwoMaterialField
 from thermo.inverse._properties import Stated
 from thermo.mesh import Mesh, face_areas, mesh_from_cells
+from thermo.observe import replacing
 
 FORMAT = "thermofield-estimate/1"
 PARTS = ("points", "heights", "levels")
@@ -167,13 +166,8 @@ def save_estimate(
             for part in PARTS:
                 arrays[f"{part}_{name}"] = getattr(field.boundary, part)
     arrays |= {EFFECT + name: array for name, array in (effects or {}).items()}
-    # Not from `tempfile`, whose files only their owner may read.
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.{secrets.token_hex(4)}.npz")
-    try:
+    with replacing(path) as temporary:
         np.savez_compressed(temporary, allow_pickle=False, **arrays)
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def _read(path: Path) -> dict[str, np.ndarray]:

@@ -1,4 +1,4 @@
-"""Surfaces and tetrahedral meshes: reading, checking, meshing, locating, selecting."""
+"""Surfaces and tetrahedral meshes: reading, checking, meshing, locating, selecting, rays."""
 
 from ._ball import ball_mesh
 from ._box import box_mesh
@@ -11,6 +11,7 @@ from ._mesh import Mesh
 from ._node_count import expected_nodes
 from ._patches import face_centres, faces_in_box, faces_towards, faces_where
 from ._promote import linear, promote
+from ._ray_casting import Caster, RayHits, caster_of, first_hits, unhindered
 from ._read_surface import read_surface
 from ._resolution import Resolution, resolution
 from ._sizing import Sizing, heat_depth
@@ -19,13 +20,16 @@ from ._surface import Surface
 from ._tetrahedralise import tetrahedralise
 
 __all__ = [
+    "Caster",
     "Mesh",
+    "RayHits",
     "Resolution",
     "Sizing",
     "Surface",
     "SurfacePoints",
     "ball_mesh",
     "box_mesh",
+    "caster_of",
     "cell_quality",
     "cell_volumes",
     "check_surface",
@@ -36,6 +40,7 @@ __all__ = [
     "faces_in_box",
     "faces_towards",
     "faces_where",
+    "first_hits",
     "heat_depth",
     "linear",
     "locate",
@@ -47,4 +52,5 @@ __all__ = [
     "sizing_from_physics",
     "tetrahedralise",
     "triangle_normals",
+    "unhindered",
 ]

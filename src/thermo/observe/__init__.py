@@ -7,14 +7,17 @@ recording a run. Everything is SI and temperatures are in kelvin. `read_scene` d
 
 from __future__ import annotations
 
+from ._atomic import replacing, write_whole
 from ._binding import bind
 from ._box import Box
 from ._camera_noise import with_camera_noise
 from ._course import Course
+from ._csv_table import TIME, csv_lines, read_table
 from ._distance import check_distance
 from ._heater import Heater
 from ._kelvin import COLDEST, HOTTEST, check_kelvin
 from ._noise import Noise, estimate_noise, variance_error
+from ._npz import npz_array, open_npz, read_npz
 from ._number import check_number, real_array
 from ._prescribed import Prescribed, read_history
 from ._quiet_check import QuietCheck, check_quiet
@@ -32,6 +35,7 @@ __all__ = [
     "FORMAT",
     "HOTTEST",
     "QUANTITIES",
+    "TIME",
     "Box",
     "Course",
     "Heater",
@@ -48,15 +52,22 @@ __all__ = [
     "check_number",
     "check_quiet",
     "check_time",
+    "csv_lines",
     "estimate_noise",
+    "npz_array",
+    "open_npz",
     "read_history",
+    "read_npz",
     "read_recording",
     "read_scene",
+    "read_table",
     "real_array",
+    "replacing",
     "seen_from",
     "variance_error",
     "with_camera_noise",
     "without_spikes",
     "write_recording",
     "write_scene",
+    "write_whole",
 ]

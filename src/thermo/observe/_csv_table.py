@@ -21,6 +21,7 @@ Units = Mapping[str, tuple[float, float]]
 
 PLAIN: Final[Units] = {}
 TIME: Final[Units] = {"s": (1.0, 0.0), "ms": (1e-3, 0.0), "min": (60.0, 0.0), "h": (3600.0, 0.0)}
+"""Units of time, what to multiply and to add for seconds [s]."""
 LENGTH: Final[Units] = {
     "m": (1.0, 0.0), "cm": (1e-2, 0.0), "mm": (1e-3, 0.0), "inch": (0.0254, 0.0),
     "in": (0.0254, 0.0),
@@ -32,6 +33,7 @@ TEMPERATURE: Final[Units] = {
 
 _BRACKET = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\])]*)[\])]$")
 _MISSING = frozenset({"", "nan", "na", "n/a", "null", "none", "-"})
+_EMPTY = " \t,;"
 
 
 @final
@@ -98,20 +100,8 @@ def read_table(path: Path) -> Table:
 
     Raises `InputError` if the file is absent, not text, empty, without a header or ragged.
     """
-    check_file(path)
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (UnicodeDecodeError, OSError) as error:
-        raise InputError(
-            "not a text file", where=str(path), value=type(error).__name__,
-            limit="CSV in UTF-8", remedy="export the table as CSV (UTF-8)",
-        ) from error  # fmt: skip
-    kept = [
-        (number, line) for number, line in enumerate(text.splitlines(), start=1)
-        if line.strip(" \t,;") and not line.lstrip().startswith("#")
-    ]  # fmt: skip
-    first = kept[0][1] if kept else ""
-    separator = next((mark for mark in ";\t" if mark in first), ",")
+    found, separator = csv_lines(path)
+    kept = [(number, line) for number, line in found if line.strip(_EMPTY)]
     cells = [
         tuple(cell.strip() for cell in row)
         for row in _split(path, [line for _, line in kept], separator)
@@ -126,6 +116,29 @@ def read_table(path: Path) -> Table:
     _check_header(path, cells[0])
     _check_width(path, cells, lines)
     return Table(path, cells[0], tuple(cells[1:]), lines, decimal_comma=separator != ",")
+
+
+def csv_lines(path: Path) -> tuple[list[tuple[int, str]], str]:
+    """Return the lines of a CSV file with their numbers, from 1, and what separates their cells.
+
+    Lines of spaces and those that start with `#` are left out.
+
+    Raises `InputError` if the file is absent or not text.
+    """
+    check_file(path)
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (UnicodeDecodeError, OSError) as error:
+        raise InputError(
+            "not a text file", where=str(path), value=type(error).__name__,
+            limit="CSV in UTF-8", remedy="export the table as CSV (UTF-8)",
+        ) from error  # fmt: skip
+    lines = [
+        (number, line) for number, line in enumerate(text.splitlines(), start=1)
+        if line.strip(" ") and not line.lstrip().startswith("#")
+    ]  # fmt: skip
+    first = next((line for _, line in lines if line.strip(_EMPTY)), "")
+    return lines, next((mark for mark in ";\t" if mark in first), ",")
 
 
 def _split(path: Path, lines: list[str], separator: str) -> list[list[str]]:

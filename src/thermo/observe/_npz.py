@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import difflib
-import os
-import tempfile
 import zipfile
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 
 from thermo.errors import InputError
+
+from ._atomic import write_whole
 
 # Everything that numpy and zipfile raise on a damaged or hostile archive.
 _BROKEN = (
@@ -24,12 +25,24 @@ _BROKEN = (
 def read_npz(
     path: Path, *, required: Sequence[str], optional: Sequence[str] = ()
 ) -> dict[str, np.ndarray]:
-    """Return the named arrays of an NPZ file.
+    """Return the named arrays of an NPZ file, of any shape and unit, say [K] or [s].
 
     Other names are left unread, unless one looks like a misspelt optional name.
 
     Raises `InputError` if the file is absent, truncated or no NPZ, lacks a required array, or
     holds a pickled object array.
+    """
+    with open_npz(path) as archive:
+        names = list(archive.files)
+        _check_names(path, names, required, optional)
+        return {n: npz_array(path, archive, n) for n in (*required, *optional) if n in names}
+
+
+@contextmanager
+def open_npz(path: Path) -> Iterator[np.lib.npyio.NpzFile]:
+    """An NPZ archive whose arrays `npz_array` reads one by one, closed in the end.
+
+    Raises `InputError` if the file is absent, truncated or no NPZ; within it too.
     """
     check_file(path)
     if not zipfile.is_zipfile(path):
@@ -37,13 +50,28 @@ def read_npz(
     try:
         # A stream of our own is closed even where the archive cannot be opened.
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
-            names = list(archive.files)
-            _check_names(path, names, required, optional)
-            return {n: _array(path, archive, n) for n in (*required, *optional) if n in names}
+            yield archive
     except InputError:
         raise
     except _BROKEN as error:
         raise _damaged(path, f"{type(error).__name__}: {error}") from error
+
+
+def npz_array(path: Path, archive: np.lib.npyio.NpzFile, name: str) -> np.ndarray:
+    """One array of an open archive, of any shape and unit, say [K] or [s], as it is stored.
+
+    Raises `InputError` where it holds pickled objects.
+    """
+    try:
+        return archive[name]
+    except ValueError as error:
+        if "pickle" not in str(error).lower():
+            raise
+        raise InputError(
+            "array holds pickled objects, which are never loaded", where=f"{path}: {name}",
+            value="an object array", limit="an array of plain numbers",
+            remedy="save it again as numbers, for example with array.astype(float)",
+        ) from error  # fmt: skip
 
 
 def write_npz(path: Path, arrays: Mapping[str, np.ndarray]) -> None:
@@ -51,19 +79,8 @@ def write_npz(path: Path, arrays: Mapping[str, np.ndarray]) -> None:
 
     Raises `InputError` if the folder cannot be written to.
     """
-    try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=".tmp")
-    except OSError as error:
-        raise unwritable(path, error) from error
-    try:
-        with os.fdopen(handle, "wb") as stream:
-            np.savez_compressed(stream, allow_pickle=False, **dict(arrays))
-        os.chmod(name, 0o644)  # mkstemp makes files that only their owner may read
-        os.replace(name, path)
-    except OSError as error:
-        raise unwritable(path, error) from error
-    finally:
-        Path(name).unlink(missing_ok=True)
+    with write_whole(path, make_folder=False) as temporary, temporary.open("wb") as stream:
+        np.savez_compressed(stream, allow_pickle=False, **dict(arrays))
 
 
 def check_file(path: Path) -> None:
@@ -75,28 +92,6 @@ def check_file(path: Path) -> None:
             limit="an existing, readable file",
             remedy="check the name and the folder; paths in scene.json are relative to its folder",
         )  # fmt: skip
-
-
-def unwritable(path: Path, error: OSError) -> InputError:
-    """Return the error for an output path that cannot be written."""
-    return InputError(
-        "cannot write", where=str(path), value=f"{type(error).__name__}: {error.strerror or error}",
-        limit="a folder that can be written to, with room on the disk",
-        remedy="choose another output folder, or change its permissions",
-    )  # fmt: skip
-
-
-def _array(path: Path, archive: np.lib.npyio.NpzFile, name: str) -> np.ndarray:
-    try:
-        return archive[name]
-    except ValueError as error:
-        if "pickle" not in str(error).lower():
-            raise
-        raise InputError(
-            "array holds pickled objects, which are never loaded", where=f"{path}: {name}",
-            value="an object array", limit="an array of plain numbers",
-            remedy="save it again as numbers, for example with array.astype(float)",
-        ) from error  # fmt: skip
 
 
 def _check_names(

@@ -11,9 +11,10 @@ from typing import Any
 
 from thermo.errors import InputError
 
+from ._atomic import unwritable
 from ._box import Box
 from ._heater import Heater
-from ._npz import check_file, unwritable, write_npz
+from ._npz import check_file, write_npz
 from ._recording_write import write_recording
 from ._scene import Run, Scene, check_run_name
 from ._scene_read import FORMAT, PRIOR_ENDING, read_scene

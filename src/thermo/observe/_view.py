@@ -6,18 +6,14 @@ from typing import Final
 
 import numpy as np
 import trimesh
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
 from thermo.errors import InputError
-from thermo.mesh import Surface, triangle_normals
+from thermo.mesh import Surface, caster_of, triangle_normals, unhindered
 
-# Points tried for each one wanted; rounds after which what was found is enough; points whose
-# lines of sight are followed at once [1].
+# Points tried for each one wanted; rounds after which what was found is enough [1].
 _TRIED: Final = 4
 _ROUNDS: Final = 8
-_AT_ONCE: Final = 64
-# A line of sight begins this far from its point, over its length [1]: it does not meet itself.
-_OFF: Final = 1e-6
 
 
 def seen_from(
@@ -43,16 +39,15 @@ def seen_from(
     Raises `InputError` where nothing is seen.
 
     Source: the form factor of a small surface to a point, Modest, Radiative Heat Transfer (2013),
-    chapter 4; lines of sight by Moeller and Trumbore, J. Graphics Tools 2 (1997) 21.
+    chapter 4.
     """
     random = np.random.default_rng(seed)
     corners = surface.vertices[surface.triangles]
     normals, _ = triangle_normals(surface.vertices, surface.triangles)
-    # Whatever hides a point turns a front towards the camera as well.
     front = np.einsum("ij,ij->i", normals, camera - corners[:, 0]) > 0
     if not front.any():
         raise _unseen(camera, where)
-    corners, normals = corners[front], normals[front]
+    normals, caster = normals[front], caster_of(surface)
     near = trimesh.Trimesh(surface.vertices, surface.triangles[front], process=False)
     found = []
     for _ in range(_ROUNDS):
@@ -62,7 +57,7 @@ def seen_from(
         dense = np.einsum("ij,ij->i", normals[picked], away) / length**3
         kept = random.random(len(points)) < dense / dense.max()
         points = points[kept]
-        found.append(points[~_hidden(points, camera, corners)])
+        found.append(points[unhindered(caster, camera, points)])
         if sum(map(len, found)) >= count:
             break
     every = np.concatenate(found)[:count]
@@ -77,27 +72,3 @@ def _unseen(camera: Float[np.ndarray, "3"], where: str) -> InputError:
         value=", ".join(f"{one:g}" for one in camera), limit="a place outside of it [m]",
         remedy="give the place in the axes of the surface, in metres",
     )  # fmt: skip
-
-
-def _hidden(
-    points: Float[np.ndarray, "points 3"],
-    camera: Float[np.ndarray, "3"],
-    corners: Float[np.ndarray, "faces 3 3"],
-) -> Bool[np.ndarray, " points"]:
-    """Whether a triangle [m] stands between each point and the camera."""
-    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    hidden = np.zeros(len(points), bool)
-    for begin in range(0, len(points), _AT_ONCE):
-        part = slice(begin, begin + _AT_ONCE)
-        way = (camera - points[part])[:, None]
-        beside = np.cross(way, second)
-        volume = np.einsum("ptk,tk->pt", beside, first)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            apart = points[part][:, None] - corners[:, 0]
-            u = np.einsum("ptk,ptk->pt", apart, beside) / volume
-            turned = np.cross(apart, first)
-            v = np.einsum("ptk,ptk->pt", np.broadcast_to(way, turned.shape), turned) / volume
-            along = np.einsum("ptk,tk->pt", turned, second) / volume
-        met = (u >= 0) & (v >= 0) & (u + v <= 1) & (along > _OFF) & (along < 1)
-        hidden[part] = met.any(axis=1)
-    return hidden
