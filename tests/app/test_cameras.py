@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 import trimesh
 from box_scene import SIZE
+from PIL import Image
 
 from thermo.imaging import (
     Camera,
@@ -107,11 +109,18 @@ def test_a_second_run_is_added_to_the_scene(
     command: Command, block: Path, cameras: Path, films: list[Path], tmp_path: Path
 ) -> None:
     out = tmp_path / "more"
-    words = (f"out={out}", f"scene={block}", "run=again", "held_out=true")
+    stood = tmp_path / "stood"
+    shutil.copytree(block, stood)
+    for ending in ("samples.npz", "registration.json"):
+        (stood / f"lamp+{ending}").write_bytes(b"how the lamp's run was read")
+    words = (f"out={out}", f"scene={stood}", "run=again", "held_out=true")
     outcome = registered(command, block, cameras, films, *words)
     assert outcome.code == 0, outcome.err
     scene = read_scene(out)
     assert set(scene.runs) == {*read_scene(block).runs, "again"} and scene.runs["again"].held_out
+    for ending in ("samples.npz", "registration.json"):
+        assert (out / f"lamp+{ending}").read_bytes() == (stood / f"lamp+{ending}").read_bytes()
+        assert (out / f"again+{ending}").stat().st_size > 100
     outcome = registered(command, block, cameras, films, f"out={out}", f"scene={out}", "run=again")
     assert outcome.code == 2 and "there is a run of this name" in outcome.err
 
@@ -201,6 +210,7 @@ def test_a_surface_out_of_place_is_brought_to_the_silhouettes(
     found = read_surface(scene.surface_path, unit=scene.unit)
     distance = np.linalg.norm(found.vertices - right.vertices, axis=1)
     before = np.linalg.norm(moved.vertices - right.vertices, axis=1)
+    assert scene.unit == "m" and scene.surface_path == out / "surface.ply"
     # A hundredth of the object's size: pixels are a third of a millimetre, the object 24 mm.
     assert distance.max() < 2.4e-4 < before.max() / 3
     refused = registered(command, block, cameras, rooms, f"scene={block}", "align=pose")
@@ -266,6 +276,20 @@ def test_counts_become_temperatures_by_the_maker_s_constants(
         (("unit=ft",), "unit is not known"),
         (("scene=nowhere",), "nowhere"),
         (("run=a/b",), "unusable name"),
+        (("initial_temperature=0",), "initial_temperature"),
+        (("together=-1",), "together"),
+        (("together=soon",), "time between frames [s] is not a number"),
+        (("held_out=perhaps",), "held_out: this is neither yes nor no"),
+        (("find_lamp_time=1",), "find_lamp_time: this is neither yes nor no"),
+        (("recording.faults=some",), "recording.faults: this is neither yes nor no"),
+        (("recording.rate=0",), "recording: rate"),
+        (("recording.times=nowhere.txt",), "recording.times: these times cannot be read"),
+        (("recording.times=[1,0]",), "recording: times"),
+        (("recording.times=[0,1]", "recording.rate=2"), "times and rate"),
+        (("camera_scale=0",), "camera_scale: length of the cameras' unit [m] is out of range"),
+        (("camera_scale=mm",), "camera_scale: length of the cameras' unit [m] is not a number"),
+        (("samples.count=0",), "samples.count"),
+        (("samples.margin=1.5",), "samples.margin"),
     ],
 )
 def test_what_cannot_be_is_told_before_frames_are_read(
@@ -303,6 +327,10 @@ def test_frames_that_do_not_fit_leave_nothing(
         (("colours=rainbow",), "no such colour map"),
         (("run=other",), "unknown run"),
         (("every=0",), "1 or more"),
+        (("nearest=0",), "nearest"),
+        (("nearest=all",), "nearest"),
+        (("nearest=100000",), "the samples of run lamp"),
+        (("rate=fast",), "rate"),
         (("camera_axes=opencv",), "out of this camera's view"),
     ],
 )
@@ -315,6 +343,78 @@ def test_a_render_that_makes_no_sense_is_refused(
     outcome = command("render", *(f"{key}={value}" for key, value in given.items()))
     assert outcome.code == 2 and words in outcome.err, outcome.err
     assert not [one for one in out.glob("*") if out.exists()]
+
+
+def test_recordings_in_another_order_are_told_of(
+    command: Command, block: Path, cameras: Path, films: list[Path], tmp_path: Path
+) -> None:
+    out = tmp_path / "scene"
+    outcome = registered(command, block, cameras, films[::-1], f"out={out}")
+    assert outcome.code == 0, outcome.err
+    told = json.loads((out / "recording+registration.json").read_text("utf-8"))["told"]
+    words = [one for one in told if "WRONG ORDER?" in one]
+    assert len(words) == 1 and words[0] in outcome.out
+    assert f"front {films[0]}, back {films[1]}" in words[0]
+
+
+def test_times_that_no_file_holds_are_stated(
+    command: Command, block: Path, cameras: Path, films: list[Path], tmp_path: Path
+) -> None:
+    time = np.array([-1.0, 0.0, 0.5, 2.0])
+    bare = [tmp_path / f"{film.stem}.npy" for film in films]
+    for film, file in zip(films, bare, strict=True):
+        with np.load(film) as held:
+            np.save(file, held["frames"][[0, 1, 3, 6]])
+    listed = tmp_path / "times.txt"
+    listed.write_text("# s\n" + "\n".join(map(str, time)) + "\n")
+    for number, stated in enumerate((f"[{','.join(map(str, time))}]", str(listed))):
+        out = tmp_path / f"scene_{number}"
+        outcome = registered(
+            command, block, cameras, bare, f"out={out}", "recording.unit=K",
+            f"recording.times={stated}",
+        )  # fmt: skip
+        assert outcome.code == 0, outcome.err
+        recording = read_scene(out).runs["recording"].recording
+        np.testing.assert_array_equal(recording.time, time[1:])
+        assert recording.quiet is not None and len(recording.quiet) == 1
+    out = tmp_path / "none"
+    outcome = registered(command, block, cameras, bare, f"out={out}", "recording.unit=K")
+    assert outcome.code == 2 and "recording.times" in outcome.err
+    short = ("recording.unit=K", "recording.times=[0,1]")
+    outcome = registered(command, block, cameras, bare, f"out={out}", *short)
+    assert outcome.code == 2 and "frames and times differ in number" in outcome.err
+
+
+@pytest.mark.parametrize("suffix", [".png", ".jpg"])
+def test_photographs_that_the_cameras_file_names_are_no_frames(
+    command: Command, block: Path, tmp_path: Path, suffix: str
+) -> None:
+    files = {name: f"{name}{suffix}" for name in PLACES}
+    for file in files.values():
+        Image.new("RGB", (96, 72), (200, 100, 50)).save(tmp_path / file)
+    write_transforms(tmp_path / "photographs.json", views(files))
+    out = tmp_path / "scene"
+    words = [
+        f"cameras={tmp_path / 'photographs.json'}", f"surface={read_scene(block).surface_path}",
+        "unit=mm", f"out={out}", "initial_temperature=295", *MATERIAL,
+    ]  # fmt: skip
+    outcome = command("register", *words)
+    assert outcome.code == 2 and not out.exists()
+    assert f"front{suffix}" in outcome.err
+    assert "where that is a photograph, name the thermal recordings by frames=" in outcome.err
+
+
+def test_cameras_that_name_no_recording_want_frames(
+    command: Command, block: Path, cameras: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "scene"
+    words = [
+        f"cameras={cameras}", f"surface={read_scene(block).surface_path}", "unit=mm",
+        f"out={out}", "initial_temperature=295", *MATERIAL,
+    ]  # fmt: skip
+    outcome = command("register", *words)
+    assert outcome.code == 2 and not out.exists()
+    assert "these cameras name no recording" in outcome.err and "front, back" in outcome.err
 
 
 def test_a_camera_that_moves_takes_one_picture_a_pose(

@@ -79,6 +79,12 @@ def test_what_must_be_given_is_named(verb: str, command: Command) -> None:
     check(command(verb), "Missing mandatory value", f"conf/{verb}.yaml")
 
 
+def test_what_must_be_given_is_explained_with_its_unit(command: Command) -> None:
+    outcome = command("register", "cameras=transforms.json")
+    check(outcome, "ambient_temperature: a setting", "K, of the air", "ambient_temperature=VALUE")
+    check(command("render", "data=x"), "run: a setting", "its run")
+
+
 @pytest.mark.parametrize(
     "words", [("invert",), ("predict", "estimate=."), ("simulate", "run=lamp")]
 )

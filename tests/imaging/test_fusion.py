@@ -8,10 +8,9 @@ import trimesh
 from cameras import camera_at
 
 from thermo.errors import InputError
-from thermo.imaging import Camera, Frames
+from thermo.imaging import Camera, Frames, looks_of, place_samples
 from thermo.imaging._fusion import register_frames
 from thermo.imaging._pixel_map import look
-from thermo.imaging._surface_samples import place_samples
 from thermo.imaging._usable import places_of
 from thermo.mesh import Surface
 
@@ -35,7 +34,7 @@ def film(camera: Camera, time: np.ndarray = TIME) -> np.ndarray:
 
 def test_a_linear_field_comes_back_from_both_cameras() -> None:
     frames = [Frames(TIME, film(one)) for one in CAMERAS]
-    samples = place_samples(BOX, CAMERAS, count=200)
+    samples = place_samples(looks_of(BOX, CAMERAS), count=200)
     record = register_frames(samples, CAMERAS, frames)
     assert record.quiet is not None and len(record.quiet) == 3
     np.testing.assert_allclose(record.time, TIME[3:])
@@ -49,7 +48,7 @@ def test_a_linear_field_comes_back_from_both_cameras() -> None:
 def test_the_camera_that_sees_more_closely_counts_more() -> None:
     frames = [Frames(TIME, np.full((9, one.height, one.width), 300.0 + k))
               for k, one in enumerate(CAMERAS)]  # fmt: skip
-    samples = place_samples(BOX, CAMERAS, count=100)
+    samples = place_samples(looks_of(BOX, CAMERAS), count=100)
     made = register_frames(samples, CAMERAS, frames)
     both = samples.seen.all(axis=0)
     side = samples.footprint[:, both] ** -2.0
@@ -60,7 +59,7 @@ def test_the_camera_that_sees_more_closely_counts_more() -> None:
 def test_cameras_that_take_turns_leave_gaps_in_place_of_guesses() -> None:
     times = [TIME, TIME + 0.1]
     frames = [Frames(t, film(c, t)) for t, c in zip(times, CAMERAS, strict=True)]
-    samples = place_samples(BOX, CAMERAS, count=100)
+    samples = place_samples(looks_of(BOX, CAMERAS), count=100)
     made = register_frames(samples, CAMERAS, frames)
     assert len(made.time) == 12
     seen = samples.seen
@@ -72,7 +71,7 @@ def test_cameras_that_take_turns_leave_gaps_in_place_of_guesses() -> None:
 
 def test_a_dead_pixel_spoils_the_samples_beside_it_alone() -> None:
     values = film(CAMERAS[0])
-    samples = place_samples(BOX, CAMERAS[:1], count=100)
+    samples = place_samples(looks_of(BOX, CAMERAS[:1]), count=100)
     made = register_frames(samples, CAMERAS[:1], [Frames(TIME, values)])
     pixel = int(samples.pixels[0, 7, np.argmax(samples.weights[0, 7])])
     row, column = divmod(pixel, 64)
@@ -88,7 +87,7 @@ def test_a_dead_pixel_spoils_the_samples_beside_it_alone() -> None:
 
 def test_what_does_not_fit_is_refused() -> None:
     fine = [Frames(TIME, film(one)) for one in CAMERAS]
-    samples = place_samples(BOX, CAMERAS, count=10)
+    samples = place_samples(looks_of(BOX, CAMERAS), count=10)
     with pytest.raises(InputError, match="1 recordings, 2 cameras"):
         register_frames(samples, CAMERAS, fine[:1])
     with pytest.raises(InputError, match="48 x 48 pixels"):

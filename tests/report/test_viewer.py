@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from thermo.errors import InputError
 from thermo.report._viewer import MOST_VALUES, Layer, Readings, Viewer
-from thermo.report._viewer_data import UNKNOWN, encode, scale_of
+from thermo.report._viewer_data import UNKNOWN, coloured, encode, opening_frame, scale_of
 from thermo.report._viewer_page import viewer_page, write_viewer
 
 CORNERS = np.array([[0.0, 0, 0], [0.03, 0, 0], [0, 0.02, 0], [0, 0, 0.01]])
@@ -116,10 +116,40 @@ def test_scales_of_the_kinds() -> None:
     assert scale_of(np.array([[1.0, 10.0]]), "field") == (1.0, 10.0, False)
     assert scale_of(np.array([[1.0, 10.1]]), "field") == (1.0, 10.1, True)
     assert scale_of(np.array([[0.0, 10.1]]), "field") == (0.0, 10.1, False)
+    # Temperatures are never logarithmic, not even from 4 K to room temperature.
+    assert scale_of(np.array([[4.0, 300.0]]), "temperature") == (4.0, 300.0, False)
     # What is the same everywhere lies in the middle of a range.
     low, high, _ = scale_of(np.array([[293.0, 293.0]]), "temperature")
     assert low < 293.0 < high and low + high == pytest.approx(586.0)
     assert scale_of(np.zeros((1, 2)), "residual") == (-1.0, 1.0, False)
+
+
+def test_it_opens_where_the_values_differ_most() -> None:
+    assert opening_frame(warm()) == 2
+    heated = [[293.0] * 4, [293, 300, 310, 305], [293, 310, 300, 305], [320, 325, 320, 320.0]]
+    layer = Layer("temperature", "K", np.arange(4.0), heated, "temperature")
+    # The first of two alike; not the hottest one, in which the body is nearly as warm all over.
+    assert opening_frame(layer) == 1
+    others = viewer().layers[1:]
+    assert held(viewer_page(viewer(layers=(*others, layer))))["frame"] == 1
+    assert held(viewer_page(viewer(layers=others[1:])))["frame"] == 0
+    # Of a frame without any value nothing is known.
+    gaps = np.array([[np.nan] * 4, [0.0, 0, 0, 0], [np.nan, 0.2, -0.1, np.nan], [0, 0, 0.2, 0]])
+    assert opening_frame(Layer("residual", "K", np.arange(4.0), gaps, "residual")) == 2
+
+
+def test_colours_are_those_of_the_page() -> None:
+    maps = held(viewer_page(viewer()))["maps"]
+    warmth, sides, span = (array(maps[one], "u1").reshape(-1, 3) for one in maps)
+    assert list(maps) == ["temperature", "residual", "field"]
+    colours = coloured(warm())
+    assert (colours[0, 0] == warmth[0]).all() and (colours[2, 2] == warmth[-1]).all()
+    colours = coloured(Layer("residual", "K", TIME[:1], [[-0.5, 0.5, 0.0, np.nan]], "residual"))
+    assert (colours[0, :2] == sides[[0, -1]]).all() and (colours[0, 3] == 128).all()
+    assert np.ptp(colours[0, 2].astype(int)) < 10  # zero is grey
+    # A logarithmic bar: a decade above the lowest of four is a quarter of the way.
+    colours = coloured(Layer("conductivity", "W/m/K", None, [0.1, 1.0, 10.0, 1000.0], "field"))
+    assert (colours[0] == span[[0, 64, 128, 255]]).all()
 
 
 class _Texts(HTMLParser):

@@ -40,13 +40,17 @@ document.querySelector('[value="C"]').click();
 """
 
 
-def page(path: Path, more: str = "") -> Path:
-    """A cylinder, 0 to 80 mm high, that is the warmer the higher and the later."""
+def page(path: Path, more: str = "", course: np.ndarray = 1.0 + TIME / 60.0) -> Path:
+    """A cylinder, 0 to 80 mm high, that is the warmer the higher, over time as `course` [1] says.
+
+    Nothing is known of the residual of its lower half.
+    """
     mesh = cylinder_mesh(0.02, 0.08, 4, 12)
     nodes, triangles = boundary_triangles(mesh)
     vertices = mesh.nodes[nodes]
-    warm = 300.0 + 1000.0 * vertices[:, 2] * (1.0 + TIME[:, None] / 60.0)
+    warm = 300.0 + 1000.0 * vertices[:, 2] * course[:, None]
     left = np.outer(np.cos(TIME / 20.0), vertices[:, 0] / 0.02)
+    left[:, vertices[:, 2] < 0.0399] = np.nan
     layers = (
         Layer("conductivity", "W/m/K", None, 1.0 + vertices[:, 0] / 0.04, "field"),
         Layer("residual", "K", TIME, left, "residual"),
@@ -134,6 +138,45 @@ def test_keys_units_and_the_pointer_are_heard(tmp_path: Path) -> None:
     assert np.hypot(x, y) == pytest.approx(20.0, abs=0.3) and 47.0 < z < 70.0
     assert '<span class="tick"' in seen.words and ">50</span>" in seen.words
     assert "<title>A rod &amp; &lt;its heat&gt;</title>" in seen.words
+
+
+def test_it_opens_where_temperatures_differ_most_and_goes_on_from_there(tmp_path: Path) -> None:
+    # Uniform at the start, as a heated body is, and nearly so at the end.
+    course = np.r_[np.linspace(0.0, 1.0, 5), np.linspace(0.9, 0.05, 8)]
+    seen = shown(page(tmp_path / "rod.html", course=course), "", picture=True)
+    assert (seen.told["layer"], seen.told["frame"], seen.told["time"]) == ("temperature", "4", "40")
+    assert "Temperature at 40 s: from 300.0 K to 380.0 K." in seen.words
+    assert seen.picture is not None
+    colours = seen.picture[70:400, 20:760][coloured(seen.picture)].astype(int) // 8
+    assert len(np.unique(colours, axis=0)) > 60
+    slider = re.search(r'<input id="frame"[^>]*>', seen.words)
+    assert slider and 'aria-valuetext="40 s (5 of 13)"' in slider[0] and "disabled" not in slider[0]
+    # The slider goes on from there, and a layer without a time does not make it forget.
+    moves = """<script>
+    const key = new KeyboardEvent("keydown", { key: "ArrowRight", bubbles: true });
+    document.body.dispatchEvent(key);
+    document.querySelectorAll('[name="layer"]')[2].click();
+    const between = document.getElementById("viewer").dataset;
+    document.body.dataset.between = [between.layer, between.frames].join();
+    document.querySelectorAll('[name="layer"]')[0].click();
+    </script>"""
+    seen = shown(page(tmp_path / "rod.html", moves, course), "")
+    assert 'data-between="conductivity,1"' in seen.words
+    assert (seen.told["layer"], seen.told["frame"], seen.told["time"]) == ("temperature", "5", "50")
+
+
+def test_what_is_not_known_is_hatched_and_said(tmp_path: Path) -> None:
+    low = READER.replace("0.35 * box.height", "0.65 * box.height").split("document.body")[0]
+    address = "layer=residual&frame=0&view=0,0,1"
+    seen = shown(page(tmp_path / "rod.html", low + "</script>"), address, picture=True)
+    assert "Residual under the pointer: not known, at (" in seen.words
+    assert "Residual at 0 s: from \u22121.000 K to 1.000 K." in seen.words
+    assert seen.picture is not None
+    # Seen from where the residual is highest the upper half is red; columns between the dots.
+    upper, lower = seen.picture[120:300, 384:394], seen.picture[320:490, 384:394]
+    assert (np.ptp(upper, axis=-1) > 40).all() and not (np.ptp(lower, axis=-1) > 10).any()
+    # Two greys of the hatching take turns.
+    assert lower.std() > 15.0
 
 
 def test_without_webgl_the_page_says_so_and_tells_its_numbers(tmp_path: Path) -> None:

@@ -107,6 +107,15 @@ def test_one_sample_speaks_for_its_surroundings() -> None:
     assert 0 < known.sum() < 40 and far[known].max() < 0.012
 
 
+def test_readings_do_not_speak_beyond_three_spacings() -> None:
+    near = TOP[TOP[:, 0] < 0.015]
+    made = viewer_of_prediction("plate", prediction(points=near))
+    known, x = np.isfinite(layer(made, "residual")[0]), made.vertices[:, 0]
+    top = made.vertices[:, 2] == 0.004
+    # They lie 4 mm apart, the last of them at 14 mm.
+    assert known[top & (x < 0.0251)].all() and not known[x > 0.0261].any()
+
+
 def field(mesh: Mesh) -> RecoveredField:
     left = mesh.nodes[mesh.faces[:, :3]].mean(axis=1)[:, 0] < 0.02
     cells = np.ones(len(mesh.cells))
@@ -122,6 +131,19 @@ def test_a_field_is_on_the_vertices(divisions: tuple[int, int, int] | None) -> N
     assert made.layers[-1].unit == "W/m/K" and made.layers[-1].time is None
     assert (values[x < 0.0149] == 4.0).all() and (values[x > 0.0251] == 1.0).all()
     assert ((values >= 1.0 - 1e-12) & (values <= 4.0 + 1e-12)).all()
+
+
+def test_a_face_takes_the_field_of_one_that_looks_the_same_way() -> None:
+    coarse = box_mesh((0.04, 0.04, 0.004), (2, 2, 1))
+    upward = np.where(coarse.normals[:, 2] > 0.5, 4.0, 1.0)
+    found = RecoveredField("conductivity", "W/m/K", np.ones(len(coarse.cells)), upward)
+    fields = {"conductivity": found}
+    made = viewer_of_prediction("plate", prediction(), mesh=coarse, fields=fields)
+    values, height = layer(made, "conductivity")[0], made.vertices[:, 2]
+    # The rim's faces lie nearer to its top's edge than those of the top do.
+    inner = (np.abs(made.vertices[:, :2] - 0.02) < 0.0199).all(axis=1)
+    np.testing.assert_allclose(values[inner & (height == 0.004)], 4.0)
+    np.testing.assert_allclose(values[height < 0.0039], 1.0)
 
 
 def test_a_field_of_another_mesh_is_refused() -> None:

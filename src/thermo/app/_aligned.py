@@ -10,6 +10,7 @@ import numpy as np
 import trimesh
 from scipy.spatial.transform import Rotation
 
+from thermo.app._configuration import flag
 from thermo.errors import InputError
 from thermo.imaging import (
     Camera,
@@ -39,12 +40,7 @@ def check_alignment(settings: Mapping[str, Any]) -> None:
             "the surface of a scene that stands is not moved", where="align", value=choice,
             limit="null beside scene=FOLDER", remedy="give surface=FILE, or poses that fit it",
         )  # fmt: skip
-    if not isinstance(settings["find_lamp_time"], bool):
-        raise InputError(
-            "this is neither yes nor no", where="find_lamp_time", value=settings["find_lamp_time"],
-            limit="true or false", remedy="give find_lamp_time=true",
-        )  # fmt: skip
-    if settings["find_lamp_time"] and settings["heater"] is None:
+    if flag(settings, "find_lamp_time") and settings["heater"] is None:
         raise InputError(
             "there is no lamp whose time could be found", where="find_lamp_time", value=True,
             limit="false without a heater", remedy="give heater={...}",
@@ -73,7 +69,8 @@ def aligned(
         raise InputError(
             "the surface could not be brought to the silhouettes", where="align",
             value=f"{found.reason}; {overlap}", limit="silhouettes that meet to about a pixel",
-            remedy="check that nothing else warm is in view, and begin nearer",
+            remedy="check that nothing else warm is in view, that frames=[a,b] stand in the order "
+            "of the cameras, and begin nearer",
         )  # fmt: skip
     moved = found.similarity
     angle = np.degrees(Rotation.from_matrix(moved.rotation).magnitude())

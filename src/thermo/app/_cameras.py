@@ -8,6 +8,7 @@ from typing import Any
 
 from thermo.errors import InputError
 from thermo.imaging import Axes, View, read_cameras, read_rig, thermal_views
+from thermo.observe import check_number
 
 
 def cameras_of(settings: Mapping[str, Any]) -> tuple[View, ...]:
@@ -22,9 +23,14 @@ def cameras_of(settings: Mapping[str, Any]) -> tuple[View, ...]:
             "these axes are not known", where="camera_axes", value=axes, limit=", ".join(known),
             remedy="leave camera_axes out: each format says which axes it has",
         )  # fmt: skip
+    scale = settings["camera_scale"]
+    if scale is not None:
+        scale = check_number(
+            scale, where="camera_scale", quantity="length of the cameras' unit [m]", above=0.0,
+            remedy="give metres, 0.001 for millimetres, or leave it out",
+        )  # fmt: skip
     views = read_cameras(
-        Path(settings["cameras"]), scale=settings["camera_scale"],
-        axes=None if axes is None else Axes(axes),
-    )  # fmt: skip
+        Path(settings["cameras"]), scale=scale, axes=None if axes is None else Axes(axes)
+    )
     rig = settings["rig"]
-    return views if rig is None else thermal_views(read_rig(Path(rig)), views)
+    return views if rig is None else thermal_views(read_rig(Path(str(rig))), views)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import sys
 from collections.abc import Callable, Mapping
 from importlib.metadata import version
@@ -15,7 +16,7 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.errors import HydraException
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
-from omegaconf.errors import OmegaConfBaseException
+from omegaconf.errors import MissingMandatoryValue, OmegaConfBaseException
 
 from thermo import errors
 from thermo.app import _verbs
@@ -80,6 +81,8 @@ def _settings(configuration: DictConfig) -> dict[str, Any]:
 def _refusal(verb: str, fault: Exception) -> errors.InputError:
     """What Hydra says of a command line, without its search path."""
     found, _, rest = str(fault).partition("\n")
+    if isinstance(fault, MissingMandatoryValue) and fault.full_key:
+        return _missing(verb, str(fault.full_key), found)
     options = rest.partition("Available options in")[2].partition("Config search path")[0]
     listed = [line.strip() for line in options.splitlines()[1:] if line.strip()]
     return errors.InputError(
@@ -89,6 +92,17 @@ def _refusal(verb: str, fault: Exception) -> errors.InputError:
         limit=", ".join(listed) or f"the settings of conf/{verb}.yaml, each with a value",
         remedy=f"`thermo {verb} --help` shows every setting and its choices",
     )
+
+
+def _missing(verb: str, key: str, found: str) -> errors.InputError:
+    """A setting without a value, with what its file says of it: meaning and unit."""
+    text = (configuration_folder() / f"{verb}.yaml").read_text("utf-8")
+    meaning = re.search(rf"^{re.escape(key)}: \?\?\? *# *(.+)$", text, re.MULTILINE)
+    return errors.InputError(
+        "a setting has no value", where=key, value=found,
+        limit=f"{meaning[1] if meaning else 'a value'} (conf/{verb}.yaml)",
+        remedy=f"give {key}=VALUE; `thermo {verb} --help` shows every setting",
+    )  # fmt: skip
 
 
 def _run(verb: str, configuration: DictConfig) -> None:

@@ -179,6 +179,17 @@ def number(
     return value if whole else float(value)
 
 
+def flag(section: Section, key: str, prefix: str = "") -> bool:
+    """True or false of a section. Raises `InputError` for anything else."""
+    value = section[key]
+    if not isinstance(value, bool):
+        raise InputError(
+            "this is neither yes nor no", where=prefix + key, value=value, limit="true or false",
+            remedy=f"give {prefix}{key}=true or {prefix}{key}=false",
+        )  # fmt: skip
+    return value
+
+
 def given(section: Section, prefix: str) -> dict[str, float]:
     """The entries of a section that have a value [SI]. Raises `InputError` for other than numbers.
 

@@ -9,18 +9,26 @@ from typing import Any
 
 import numpy as np
 
-from thermo.app._configuration import names, number
+from thermo.app._configuration import flag, names, number
 from thermo.errors import InputError
 from thermo.mesh import Surface, read_surface
 from thermo.observe import Heater, Recording, Run, Scene, StatedMaterial, read_scene, real_array
 
-_ACCURACY = 2.0  # K, of a calibrated thermal camera
-_ANOTHER_SCALE = 20.0  # K, ten times as much
+# K, what data sheets of calibrated microbolometers state (2 K or 2 %): within it nothing need be
+# wrong.
+_ACCURACY = 2.0
+# K, ten times that, which no calibration is off by; Celsius for kelvin is, and 7 % of a scale.
+_ANOTHER_SCALE = 20.0
+_UNTIL_READ = 300.0  # K, in place of an initial temperature that the frames are to tell
 _LAMP = ("centre", "direction", "radius", "power", "until", "rise")
 
 
-def surface_of_settings(settings: Mapping[str, Any]) -> tuple[Surface, Path]:
-    """The surface [m] that `surface` or `scene` names, and its file. Raises `InputError`."""
+def stated_scene(settings: Mapping[str, Any]) -> tuple[Scene, Surface]:
+    """The scene that will be left, with a blank recording in its run, and its surface [m].
+
+    Raises `InputError` for what is missing and for conditions that make no scene, before any frames
+    are read.
+    """
     if (settings["surface"] is None) == (settings["scene"] is None):
         raise InputError(
             "one of `surface` and `scene` is wanted", where="surface",
@@ -28,20 +36,17 @@ def surface_of_settings(settings: Mapping[str, Any]) -> tuple[Surface, Path]:
             limit="a closed surface, or a scene that has one",
             remedy="give surface=FILE for a new scene, scene=FOLDER to add a run to one",
         )  # fmt: skip
+    known = dict(settings)
+    if known["initial_temperature"] is None:
+        known["initial_temperature"] = _UNTIL_READ
+    blank = Recording(np.zeros((1, 3)), np.array([0.0, 1.0]), np.full((2, 1), _UNTIL_READ))
     if settings["scene"] is not None:
-        scene = read_scene(Path(settings["scene"]))
-        return read_surface(scene.surface_path, unit=scene.unit), scene.surface_path
-    path = Path(settings["surface"])
-    return read_surface(path, unit=str(settings["unit"])), path
-
-
-def check_conditions(settings: Mapping[str, Any]) -> None:
-    """Refuse conditions that make no scene, before any frames are read. Raises `InputError`."""
-    still = Recording(np.zeros((1, 3)), np.array([0.0, 1.0]), np.full((2, 1), 300.0))
-    known = {**settings, "initial_temperature": settings["initial_temperature"] or 300.0}
-    run = run_of(known, still)
-    # The surface has been read by now.
-    scene_of_settings(settings, surface_of_settings(settings)[1], run)
+        standing = read_scene(Path(settings["scene"]))
+        surface = read_surface(standing.surface_path, unit=standing.unit)
+        return _with_run(standing, run_of(known, blank)), surface
+    path, unit = Path(settings["surface"]), str(settings["unit"])
+    surface = read_surface(path, unit=unit)
+    return _new_scene(settings, path, unit, run_of(known, blank)), surface
 
 
 def check_room(settings: Mapping[str, Any]) -> None:
@@ -96,30 +101,27 @@ def run_of(settings: Mapping[str, Any], recording: Recording) -> Run:
         ambient_temperature=ambient,
         radiation_temperature=ambient if around is None else around,
         heater=_heater(settings["heater"]),
-        held_out=bool(settings["held_out"]),
+        held_out=flag(settings, "held_out"),
         where=f"run {settings['run']}",
     )
 
 
-def scene_of_settings(settings: Mapping[str, Any], surface: Path, run: Run) -> Scene:
-    """The stated scene with that run, or a scene that stands with one run more.
+def _with_run(scene: Scene, run: Run) -> Scene:
+    if run.name in scene.runs:
+        raise InputError(
+            "there is a run of this name", where="run", value=run.name,
+            limit=f"another than {', '.join(scene.runs)}", remedy="give run=NAME",
+        )  # fmt: skip
+    return replace(scene, runs=scene.runs | {run.name: run})
 
-    Raises `InputError` for what is missing, and where the scene has a run of that name.
-    """
-    if settings["scene"] is not None:
-        scene = read_scene(Path(settings["scene"]))
-        if run.name in scene.runs:
-            raise InputError(
-                "there is a run of this name", where="run", value=run.name,
-                limit=f"another than {', '.join(scene.runs)}", remedy="give run=NAME",
-            )  # fmt: skip
-        return replace(scene, runs=scene.runs | {run.name: run})
+
+def _new_scene(settings: Mapping[str, Any], surface: Path, unit: str, run: Run) -> Scene:
     stated, exchange = settings["material"], settings["surface_exchange"]
     return Scene(
         folder=Path(settings["out"]),
         object=str(settings["object"]),
         surface_path=surface,
-        unit=str(settings["unit"]),
+        unit=unit,
         material=StatedMaterial(
             str(stated["name"]),
             number(stated, "density", "material."),

@@ -10,16 +10,18 @@ from ._align_points import PointAlignment, align_to_points
 from ._align_silhouettes import Alignment, align_to_silhouettes
 from ._band import Band
 from ._camera import Camera, pixel_centres, project, rays
-from ._colours import COLOUR_MAPS, Colours, coloured, normalised
+from ._colours import COLOUR_MAPS, Colours, coloured
 from ._coverage import coverage
 from ._error_budget import Deviations, ErrorBudget, sensitivities, uncertainty
 from ._film import write_film
 from ._frame_faults import FrameFaults, find_faults, without_faults
 from ._frames import Frames
-from ._fusion import check_frames, fused, register_frames
+from ._fusion import check_count, check_frames, fused, register_frames
 from ._interpolate import NEAREST, SampleWeights, interpolated, sample_weights
+from ._looks import Looks, look_all, looks_of
 from ._middlebury import write_middlebury
 from ._optics import Optics
+from ._order import better_order
 from ._pixel_map import PixelMap, depth_at, look
 from ._planck import PlanckConstants
 from ._pose import Axes, camera_to_world, looking_at, world_to_camera
@@ -32,7 +34,7 @@ from ._radiometry import (
 from ._read_cameras import read_cameras
 from ._read_frames import read_frames
 from ._refined import refined
-from ._render import render, temperatures
+from ._render import render
 from ._render_bar import Degrees, colour_bar, with_bar
 from ._render_writers import write_picture
 from ._response import AbstractResponse, signal_of, slope_of, temperature_of
@@ -63,6 +65,7 @@ __all__ = [
     "ErrorBudget",
     "FrameFaults",
     "Frames",
+    "Looks",
     "Optics",
     "PixelMap",
     "PlanckConstants",
@@ -77,9 +80,11 @@ __all__ = [
     "align_to_points",
     "align_to_silhouettes",
     "apparent_temperature",
+    "better_order",
     "camera_to_world",
-    "colour_bar",
+    "check_count",
     "check_frames",
+    "colour_bar",
     "coloured",
     "coverage",
     "depth_at",
@@ -89,11 +94,12 @@ __all__ = [
     "fused",
     "interpolated",
     "look",
+    "look_all",
     "looking_at",
+    "looks_of",
     "mask_of",
     "measured_signal",
     "motion_about",
-    "normalised",
     "overlap",
     "pixel_centres",
     "place_samples",
@@ -117,7 +123,6 @@ __all__ = [
     "slope_of",
     "temperature_from_signal",
     "temperature_of",
-    "temperatures",
     "thermal_views",
     "time_offset",
     "to_temperature",

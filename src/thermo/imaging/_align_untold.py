@@ -25,6 +25,10 @@ _RISE: Final = 1.25
 _PART: Final = 0.1
 """Parts of a motion below this are left out of it where it stays untold without them [1]."""
 
+_STEP: Final = 0.25
+"""Root mean square change of the residuals by which their slope is measured, over their deviation:
+little beside the 4.7 of them over which Tukey's weights fall to nothing [1]."""
+
 
 @final
 class Knowledge(eqx.Module):
@@ -71,7 +75,7 @@ def knowledge(
     matched, free = found.matched, 6 + scale
     jacobian, weights = matched.jacobian(there, length, free), matched.weights()
     values, vectors = np.linalg.eigh((jacobian * weights[:, None]).T @ jacobian)
-    noise = inflation * (weights * matched.residual**2).sum() / max(weights.sum() - free, 1.0)
+    noise = inflation * ((weights * matched.residual) ** 2).sum() / max(weights.sum() - free, 1.0)
     greatest = float((weights[:, None] * matched.slope**2).sum())
     # The size of an object of which the root mean square is known: that of a ball's surface.
     whole = 2 * length
@@ -81,9 +85,12 @@ def knowledge(
     def hidden(vector: Float[np.ndarray, " free"]) -> bool:
         return _rise(match, found, centre, size, _REACH * whole * vector) <= limit
 
-    for value, vector in zip(values, vectors.T, strict=True):
-        if value > _CLEAR**2 * greatest or not hidden(vector):
-            variance += vector**2 * min(noise / max(value, 1e-300), whole**2)
+    told = [k for k in range(free) if values[k] > _CLEAR**2 * greatest or not hidden(vectors[:, k])]
+    gain = _gain(match, found, centre, size, vectors[:, told] / np.sqrt(values[told]))
+    for k in range(free):
+        vector = vectors[:, k]
+        if k in told:
+            variance += vector**2 * min(noise / max(values[k] * gain**2, 1e-300), whole**2)
             continue
         # Noise in the slopes mixes a little of the other motions into one that is not told.
         plain = np.where(np.abs(vector) < _PART, 0.0, vector)
@@ -95,6 +102,30 @@ def knowledge(
     deviation[:free] = np.sqrt(variance)
     deviation[[0, 1, 2, 6]] /= length
     return Knowledge(deviation, tuple(untold))
+
+
+def _gain(
+    match: Callable[[Similarity], Matched],
+    found: Descent,
+    centre: Float[np.ndarray, "3"],
+    size: float,
+    told: Float[np.ndarray, "free told"],
+) -> float:
+    """How fast J^T W r changes along all told motions, over J^T W J [1]: at the least a tenth.
+
+    Arguments: `told`, the motions, each of as long a step as changes J^T W J by one.
+    """
+    motion, count = told.sum(axis=1), max(told.shape[1], 1)
+    before = found.matched
+    step = _STEP * before.spread() * math.sqrt(before.weights().sum() / count)
+    change = 0.0
+    for sign in (1.0, -1.0):
+        pose = moved(found.similarity, centre, size, sign * step * motion)
+        now = match(pose)
+        there, length = pose.apply(centre[None])[0], size * pose.scale
+        slope = now.jacobian(there, length, len(motion)) @ motion
+        change += sign * float(slope @ (now.weights() * now.residual))
+    return max(change / (2 * step * count), 0.1)
 
 
 def _rise(

@@ -112,6 +112,7 @@ def _flickering(squares: np.ndarray, count: np.ndarray, level: float) -> np.ndar
     scale = float(np.median(part[known] / typical[known]))
     if scale == 0.0:
         return np.zeros_like(known)
+    # Shares below the smallest number there is lie beyond 38 deviations.
     share = stats.chi2.sf(np.where(known, squares, 0.0) / scale, np.maximum(count, 1))
     score = np.where(known, np.clip(stats.norm.isf(share), -38.0, 38.0), np.nan)
     # Where noise differs over the image more than chi2 says, scores spread more than one.

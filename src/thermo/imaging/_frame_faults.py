@@ -93,8 +93,10 @@ def find_faults(frames: Frames) -> FrameFaults:
     - Duplicates: frames equal to the one before bit by bit, in all pixels that are valid. A sensor
       that repeats an image within one step of its numbers cannot be told from them.
     - Dead pixels and jumps of the whole image: see `dead_pixels` and `shutter_jumps`; in a clean
-      recording with white noise the chance of any is below 0.01 each. Rows and blocks that are
-      stuck but still noisy are not seen, nor what is stuck in fewer than three frames.
+      recording with white noise the chance of any is meant to be below 0.01 each, and
+      `benchmarks/frame_faults.py` counts them, and what is found of faults by their size. Rows and
+      blocks that are stuck but still noisy are not seen, nor what is stuck in fewer than three
+      frames.
 
     Works frame by frame; values are copied only where there are duplicates.
     """

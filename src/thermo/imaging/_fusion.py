@@ -116,15 +116,20 @@ def _moments(
     return mean, rows
 
 
-def check_frames(cameras: Sequence[Camera], frames: Sequence[Frames], where: str) -> None:
-    """Raise `InputError` unless there is one recording a camera, of its size and in kelvin [K]."""
-    if len(cameras) != len(frames) or not cameras:
+def check_count(recordings: int, cameras: int, *, where: str) -> None:
+    """Raise `InputError` unless there are as many recordings as cameras, and at least one."""
+    if recordings != cameras or not cameras:
         raise InputError(
             "frames and cameras differ in number", where=where,
-            value=f"{len(frames)} recordings, {len(cameras)} cameras",
+            value=f"{recordings} recordings, {cameras} cameras",
             limit="one recording a camera, at least one",
-            remedy="name a recording for each camera, in the order of the cameras",
+            remedy="give frames=[a,b], one a camera, in the order of the cameras",
         )  # fmt: skip
+
+
+def check_frames(cameras: Sequence[Camera], frames: Sequence[Frames], where: str) -> None:
+    """Raise `InputError` unless there is one recording a camera, of its size and in kelvin [K]."""
+    check_count(len(frames), len(cameras), where=where)
     for camera, one in zip(cameras, frames, strict=True):
         if one.size() != (camera.height, camera.width):
             rows, columns = one.size()

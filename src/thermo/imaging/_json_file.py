@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import os
-import tempfile
 from pathlib import Path
 from typing import Any
 
 from thermo.errors import InputError
+from thermo.observe import write_whole
 
 
 def read_table(path: Path, *, what: str) -> dict[str, Any]:
@@ -27,20 +26,8 @@ def read_table(path: Path, *, what: str) -> dict[str, Any]:
 def write_table(path: Path, table: dict[str, Any]) -> None:
     """Write a table. Raises `InputError` where the folder takes no file."""
     text = json.dumps(table, indent=1) + "\n"
-    try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=".tmp")
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8") as stream:
-                stream.write(text)
-            os.chmod(name, 0o644)  # mkstemp makes files that only their owner may read
-            os.replace(name, path)
-        finally:
-            Path(name).unlink(missing_ok=True)
-    except OSError as error:
-        raise InputError(
-            "the file cannot be written", where=str(path), value=error.strerror or str(error),
-            limit="a folder that takes files", remedy="give another folder",
-        ) from error  # fmt: skip
+    with write_whole(path, make_folder=False) as temporary:
+        temporary.write_text(text, "utf-8")
 
 
 def _refusal(path: Path, what: str, value: str) -> InputError:

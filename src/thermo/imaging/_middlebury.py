@@ -9,6 +9,7 @@ import numpy as np
 from PIL import Image, UnidentifiedImageError
 
 from thermo.errors import InputError
+from thermo.observe import write_whole
 
 from ._camera import Camera
 from ._view import View
@@ -43,7 +44,8 @@ def read_middlebury(path: Path | str, *, size: tuple[int, int] | None = None) ->
 def write_middlebury(path: Path | str, views: Sequence[View]) -> None:
     """Write cameras as Middlebury does, K in pixels and t in metres [m].
 
-    Raises `InputError` for a lens that bends, which the format cannot hold.
+    Raises `InputError` for a lens that bends, which the format cannot hold, and where the folder
+    takes no file.
     """
     path = Path(path)
     rows = [str(len(views))]
@@ -59,13 +61,8 @@ def write_middlebury(path: Path | str, views: Sequence[View]) -> None:
         matrix[:2, 2] = camera.centre
         numbers = [*matrix.ravel(), *camera.pose[:3, :3].ravel(), *camera.pose[:3, 3]]
         rows.append(" ".join([view.file, *(f"{one:.17g}" for one in numbers)]))
-    try:
-        path.write_text("\n".join(rows) + "\n", "utf-8")
-    except OSError as error:
-        raise InputError(
-            "the file cannot be written", where=str(path), value=error.strerror or str(error),
-            limit="a folder that takes files", remedy="give another folder",
-        ) from error  # fmt: skip
+    with write_whole(path, make_folder=False) as temporary:
+        temporary.write_text("\n".join(rows) + "\n", "utf-8")
 
 
 def _view(path: Path, words: list[str], number: int, size: tuple[int, int] | None) -> View:

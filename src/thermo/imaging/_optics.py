@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Final, final
 
 import equinox as eqx
@@ -76,9 +77,7 @@ class Optics(eqx.Module):
         self.window_reflectance = _share(
             window_reflectance, where, "window_reflectance", positive=False
         )
-        shapes = [part.shape for part in (self.emissivity, self.air_transmission)]
-        shapes += [part.shape for part in (self.window_transmission, self.window_reflectance)]
-        _together(shapes, where)
+        _check_shapes((self.window_transmission, self.window_reflectance), where)
         window = 1.0 - self.window_transmission - self.window_reflectance
         if np.any(window < -_ROUNDING):
             raise InputError(
@@ -94,8 +93,7 @@ class Optics(eqx.Module):
         ):
             values = _kelvin(given, where, key, needed=bool(np.any(np.abs(weight) > _ROUNDING)))
             setattr(self, key, values)
-            shapes.append(values.shape)
-        _together(shapes, where)
+        _check_shapes(vars(self).values(), where)
 
     def shape(self) -> tuple[int, ...]:
         """The shape that all parts go together to: () where they are numbers."""
@@ -139,13 +137,20 @@ def _kelvin(value: ArrayLike | None, where: str, key: str, *, needed: bool) -> n
     return values
 
 
-def _together(shapes: list[tuple[int, ...]], where: str) -> None:
-    try:
-        np.broadcast_shapes(*shapes)
-    except ValueError:
+def _check_shapes(parts: Iterable[np.ndarray], where: str) -> None:
+    shapes = [part.shape for part in parts]
+    if together(*shapes) is None:
         raise InputError(
             "shapes that do not go together", where=where,
             value=", ".join(str(shape) for shape in shapes if shape),
             limit="numbers, or arrays of one shape such as (rows, columns)",
             remedy="give a number, or a value a pixel",
-        ) from None  # fmt: skip
+        )  # fmt: skip
+
+
+def together(*shapes: tuple[int, ...]) -> tuple[int, ...] | None:
+    """The shape that arrays of these shapes broadcast to; None where they do not go together."""
+    try:
+        return np.broadcast_shapes(*shapes)
+    except ValueError:
+        return None

@@ -8,10 +8,9 @@ import equinox as eqx
 import numpy as np
 from jaxtyping import Float, Int
 
-from thermo.mesh import Surface, triangle_normals
+from thermo.mesh import Caster, Surface, caster_of, first_hits, triangle_normals
 
 from ._camera import Camera, pixel_centres, rays
-from ._render_casting import caster_of, first_hits
 
 
 @final
@@ -55,9 +54,14 @@ def look(camera: Camera, surface: Surface) -> PixelMap:
 
     Source: paper, appendix A.1, "Thermal Infrared Video Rendering" (checklist F7, F9).
     """
+    return look_by(caster_of(surface), camera, surface)
+
+
+def look_by(caster: Caster, camera: Camera, surface: Surface) -> PixelMap:
+    """`look` with the surface's [m] own caster, which is made once for all cameras."""
     shape = (camera.height, camera.width)
     lines = rays(camera, pixel_centres(camera))
-    hits = first_hits(caster_of(surface), camera.place(), lines)
+    hits = first_hits(caster, camera.place(), lines)
     hit = np.flatnonzero(hits.triangle >= 0)
     seen = hits.triangle[hit]
     depth, cosine = np.full(len(lines), np.nan), np.full(len(lines), np.nan)

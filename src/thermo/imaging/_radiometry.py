@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from thermo.errors import InputError
 from thermo.observe import real_array
 
-from ._optics import Optics
+from ._optics import Optics, together
 from ._response import AbstractResponse, as_kelvin
 
 
@@ -106,12 +106,10 @@ def share_of(
 
 
 def _check_shape(optics: Optics, values: np.ndarray, where: str) -> None:
-    try:
-        np.broadcast_shapes(optics.shape(), values.shape)
-    except ValueError:
+    if together(optics.shape(), values.shape) is None:
         raise InputError(
             "optics and readings have shapes that do not go together", where=where,
             value=f"shape {values.shape}, optics of shape {optics.shape()}",
             limit="one shape, or numbers in the optics",
             remedy="give the emissivity a value a pixel, (rows, columns), or one number",
-        ) from None  # fmt: skip
+        )  # fmt: skip

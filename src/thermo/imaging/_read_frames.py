@@ -13,6 +13,7 @@ from ._frames import Frames
 from .readers import (
     AbstractReader,
     CsvFolderReader,
+    DjiReader,
     FlirReader,
     FlukeReader,
     HccReader,
@@ -32,9 +33,9 @@ def read_frames(path: Path, given: Stated | None = None) -> Frames:
     """Read what a camera recorded: a file, or a folder of single frames.
 
     The first reader that recognises `path` reads it: this package's own (NPZ, NPY, TIFF, HDF5,
-    radiometric JPEG of FLIR, Fluke IS2, Telops HCC, folders of CSV), then those of installed
-    packages, which register theirs as entry points of the group `thermo.frames` and are loaded only
-    then.
+    radiometric JPEG of FLIR and of DJI, Fluke IS2, Telops HCC, folders of CSV), then those of
+    installed packages, which register theirs as entry points of the group `thermo.frames` and are
+    loaded only then.
 
     Arguments: `given`, what the user states where the file says nothing: rate [Hz] or times [s],
     unit, scale [K] and offset [K].
@@ -71,6 +72,7 @@ def _own() -> tuple[AbstractReader, ...]:
         TiffReader(),
         Hdf5Reader(),
         FlirReader(),
+        DjiReader(),
         FlukeReader(),
         HccReader(),
         CsvFolderReader(),

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 from jaxtyping import Float
 
@@ -36,18 +34,8 @@ def render(
     return picture
 
 
-def temperatures(
-    pixel_map: PixelMap, vertex_temperature: Float[np.ndarray, "frames vertices"]
-) -> Iterator[Float[np.ndarray, "rows columns"]]:
-    """The pictures [K] of many frames, each made as it is asked for.
-
-    Raises `InputError` at once where the surface has another number of vertices.
-    """
-    check_values(pixel_map, vertex_temperature.shape[1])
-    return (render(pixel_map, row) for row in vertex_temperature)
-
-
 def check_values(pixel_map: PixelMap, given: int) -> None:
+    """Raise `InputError` unless there is one value for each vertex that was looked at."""
     if given != pixel_map.vertices:
         raise InputError(
             "these values are of another surface", where="vertex values",

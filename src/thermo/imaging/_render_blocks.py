@@ -11,9 +11,10 @@ from typing import Final, final
 import numpy as np
 from jaxtyping import Float
 
+from thermo.observe import write_whole
+
 from ._pixel_map import PixelMap
 from ._render import render
-from ._render_files import whole
 
 _KEY: Final = "render.txt"
 _EACH: Final = 32
@@ -79,7 +80,7 @@ def render_blocks(
             part = [
                 render(pixel_map, row).astype(np.float32) for row in vertex_temperature[start:end]
             ]
-            with whole(blocks.path(start)) as temporary:
+            with write_whole(blocks.path(start)) as temporary:
                 np.save(temporary, np.stack(part), allow_pickle=False)
         if on_frames is not None:
             on_frames(end, count)
@@ -114,7 +115,7 @@ def _begin(blocks: Blocks, key: str) -> None:
         same = False
     if not same:
         discard(blocks)
-        with whole(note) as temporary:
+        with write_whole(note) as temporary:
             temporary.write_text(key, "utf-8")
 
 

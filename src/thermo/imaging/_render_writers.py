@@ -14,10 +14,9 @@ from jaxtyping import Float, UInt8
 from PIL import Image
 
 from thermo.errors import InputError
-from thermo.observe import check_number
+from thermo.observe import check_number, write_whole
 
 from ._colours import Colours
-from ._render_files import whole
 
 FASTEST_GIF: Final = 50.0
 """Most frames a second [Hz] of a GIF, whose time goes in hundredths and whose viewers need two."""
@@ -30,7 +29,7 @@ def write_picture(path: Path, picture: UInt8[np.ndarray, "rows columns 3"]) -> N
 
     Raises `InputError` where the file cannot be written.
     """
-    with whole(path) as temporary:
+    with write_whole(path) as temporary:
         Image.fromarray(picture).save(temporary, format="PNG")
 
 
@@ -63,7 +62,7 @@ def write_gif(
     ]
     ends = np.round(np.arange(len(frames) + 1) * (100.0 / rate)).astype(int)
     durations = (10 * np.diff(ends)).tolist()
-    with whole(path) as temporary:
+    with write_whole(path) as temporary:
         frames[0].save(
             temporary, format="GIF", save_all=True, append_images=frames[1:], duration=durations,
             loop=0, optimize=False, disposal=1,
@@ -87,7 +86,7 @@ def write_mp4(
     rest = _some(pictures)
     first = next(rest)
     rows, columns = (len(first) + 1) // 2 * 2, (first.shape[1] + 1) // 2 * 2
-    with whole(path) as temporary:
+    with write_whole(path) as temporary:
         words = [
             ffmpeg, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24",
             "-s", f"{columns}x{rows}", "-r", f"{rate:g}", "-i", "-", "-an", "-codec:v", "libx264",
@@ -124,7 +123,7 @@ def write_radiometric(
     rest = _some(frames)
     first = next(rest)
     shape = (len(time), *first.shape)
-    with whole(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
+    with write_whole(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
         _entry(archive, "time", time.shape, [time.astype("<f8")])
         values = (one.astype("<f4") for one in itertools.chain([first], rest))
         written = _entry(archive, "frames", shape, values, kind="<f4")

@@ -15,7 +15,8 @@ _LEAST: Final = 6
 """Frames below which nothing tells a jump from a course [1]."""
 
 _EFFICIENCY: Final = 0.37
-"""Share of observations that a median absolute deviation makes use of [1], of normal ones."""
+"""Share of normal observations that a median absolute deviation makes use of [1]: its efficiency,
+Rousseeuw and Croux, J. Am. Stat. Assoc. 88 (1993) 1273."""
 
 _QUARTER: Final = 0.25
 _TAILS: Final = (0.05, 0.95)
@@ -57,7 +58,8 @@ def shutter_jumps(
     if count < _LEAST - 2:
         return none
     deviation = np.median(np.abs(differs[known] - np.median(differs[known])))
-    # The median absolute deviation of few values is low: its bias is 0.8 / n of it.
+    # The median absolute deviation of few values is low, by 0.8 / n of it: Croux and Rousseeuw,
+    # Computational Statistics 1 (1992) 411.
     scale = 1.4826 * deviation * count / (count - 0.8)
     limit = stats.t.isf(_ALARM / (2.0 * count), _EFFICIENCY * count) * scale
     sticks = np.where(before * after > 0, np.minimum(np.abs(before), np.abs(after)), 0.0)

@@ -8,8 +8,8 @@ from thermo.errors import InputError
 from thermo.observe import COLDEST, HOTTEST
 
 from ._frames import Frames
-from ._optics import Optics
-from ._radiometry import temperature_from_signal
+from ._optics import Optics, together
+from ._radiometry import gain_and_rest
 from ._response import AbstractResponse
 
 
@@ -32,22 +32,21 @@ def to_temperature(
     those whose emissivity is known, have no temperature.
     """
     rows_columns = frames.size()
-    try:
-        np.broadcast_to(np.empty(optics.shape()), rows_columns)
-    except ValueError:
+    if together(optics.shape(), rows_columns) != rows_columns:
         raise InputError(
             "optics and frames differ in shape", where=where,
             value=f"frames of {rows_columns} pixels, optics of shape {optics.shape()}",
             limit="one number, or an array of the frames' rows and columns",
             remedy="draw the emissivity on a frame of this camera",
-        ) from None  # fmt: skip
+        )  # fmt: skip
+    gain, rest = gain_and_rest(response, optics)
     known = np.broadcast_to(~np.isnan(optics.emissivity), rows_columns)
     kelvin = np.empty_like(frames.values)
     asked = lost = 0
     for image, valid, out in zip(frames.values, frames.valid, kelvin, strict=True):
         read = image.astype(np.float64)
         signal = read if frames.counts else response.signal(read)
-        found = temperature_from_signal(response, optics, signal)
+        found = response.temperature(np.asarray((signal - rest) / gain))
         out[:] = np.where((found >= COLDEST) & (found <= HOTTEST), found, np.nan)
         asked += int((valid & known).sum())
         lost += int((valid & known & np.isnan(out)).sum())

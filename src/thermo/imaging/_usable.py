@@ -66,9 +66,10 @@ def usable_pixels(
         grazing, where="grazing", quantity="angle to the normal [deg]", above=0.0, most=89.0,
         remedy="give 60 to 75 degrees",
     )  # fmt: skip
-    if isinstance(margin, bool) or margin < 0:
+    if isinstance(margin, bool) or not isinstance(margin, int | np.integer) or margin < 0:
         raise InputError(
-            "this is no margin", where="margin", value=margin, limit="0 pixels or more",
+            "this is no margin", where="margin", value=margin,
+            limit="a whole number of pixels, 0 or more",
             remedy="give 1 to 3",
         )  # fmt: skip
     steep = np.cos(np.radians(limit))

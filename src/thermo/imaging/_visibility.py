@@ -8,17 +8,22 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from thermo.errors import InputError
-from thermo.mesh import Surface, nearest_triangle, triangle_normals
+from thermo.mesh import (
+    Caster,
+    Surface,
+    caster_of,
+    nearest_triangle,
+    triangle_normals,
+    unhindered,
+)
 from thermo.observe import check_number
 
 from ._camera import Camera, project
 from ._pixel_map import PixelMap, depth_at
-from ._render_casting import caster_of, first_hits
 
-# A point's own triangle is met at its own distance, to this share of the body's radius [1].
-_OWN: Final = 1e-6
 # Below this cosine [1] (75 degrees off the normal) the tolerance no longer grows: a pixel's
-# footprint becomes longer than folds are deep, and what lies behind a fold would pass.
+# footprint becomes longer than folds are deep, and what lies behind a fold would pass. Less keeps
+# more of steep faces and more of what is hidden: `benchmarks/visibility.py --steepest` prints both.
 _STEEPEST: Final = 0.25
 # The four pixels round a place, from the one at its upper left [px].
 _ROUND: Final = ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
@@ -60,7 +65,7 @@ def seen_by_depth(
     _check_map(pixel_map, camera, surface)
     if tolerance is not None:
         check_number(tolerance, where="tolerance", quantity="depth tolerance [m]", above=0.0)
-    place, outward = _on_surface(surface, points, normals)
+    place, outward = on_surface(surface, points, normals)
     pixels, depth = project(camera, place)
     eps = depth_tolerance(camera, place, outward) if tolerance is None else tolerance
     with np.errstate(invalid="ignore"):
@@ -86,17 +91,22 @@ def seen_exactly(
 
     Source: checklist F7, the exact answer that the paper's rule is measured by.
     """
-    place, outward = _on_surface(surface, points, normals)
-    pixels, depth = project(camera, place)
+    return in_sight(camera, caster_of(surface), *on_surface(surface, points, normals))
+
+
+def in_sight(
+    camera: Camera,
+    caster: Caster,
+    places: Float[np.ndarray, "points 3"],
+    normals: Float[np.ndarray, "points 3"],
+) -> Bool[np.ndarray, " points"]:
+    """`seen_exactly` for places on the surface [m] and normals there, with its caster."""
+    pixels, depth = project(camera, places)
     with np.errstate(invalid="ignore"):
         framed = ((pixels >= -0.5) & (pixels < [camera.width - 0.5, camera.height - 0.5])).all(1)
-    tried = np.flatnonzero(framed & (depth > 0) & (_cosines(camera, place, outward) > 0))
-    away = place[tried] - camera.place()
-    length = np.linalg.norm(away, axis=1)
-    caster = caster_of(surface)
-    met = first_hits(caster, camera.place(), away / length[:, None])
-    seen = np.zeros(len(points), bool)
-    seen[tried] = met.distance >= length - _OWN * caster.radius
+    tried = np.flatnonzero(framed & (depth > 0) & (_cosines(camera, places, normals) > 0))
+    seen = np.zeros(len(places), bool)
+    seen[tried] = unhindered(caster, camera.place(), places[tried])
     return seen
 
 
@@ -127,9 +137,11 @@ def depth_tolerance(
     return depth * (slope / np.where(across > 0, across, 1.0) + 1e-6)
 
 
-def _on_surface(
-    surface: Surface, points: np.ndarray, normals: np.ndarray | None
-) -> tuple[np.ndarray, np.ndarray]:
+def on_surface(
+    surface: Surface,
+    points: Float[np.ndarray, "points 3"],
+    normals: Float[np.ndarray, "points 3"] | None = None,
+) -> tuple[Float[np.ndarray, "points 3"], Float[np.ndarray, "points 3"]]:
     """The nearest points of the surface [m] and outward normals there [1]."""
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if bad.size:

@@ -13,7 +13,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from ._atomic import atomic
+from thermo.observe import write_whole
 
 _DPI = 150
 
@@ -53,5 +53,5 @@ def colour_bar(figure: Figure, axes: list[Axes], mappable: ScalarMappable, label
 def save(figure: Figure, path: Path) -> None:
     """Writes the figure as PNG, whole or not at all."""
     # Without a stamp of the program, equal figures are equal files.
-    with atomic(path) as temporary, mpl.rc_context({"savefig.bbox": None}):
+    with write_whole(path) as temporary, mpl.rc_context({"savefig.bbox": None}):
         figure.savefig(temporary, format="png", dpi=_DPI, metadata={"Software": None})

@@ -20,6 +20,7 @@ from ._discovery_plots import (
     score_bars,
     spoken,
 )
+from ._html_page import html_page
 from ._identifiability_page import _STYLE, _plots, _section, _table
 
 _MORE = """
@@ -53,15 +54,7 @@ def discovery_page(record: Mapping[str, Any], title: str) -> str:
         _section("Noise and numerics", "noise", _noise(record)),
         _section("Made with", "versions", _made_with(record)),
     ]
-    return (
-        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
-        f'<meta name="viewport" content="width=device-width">'
-        f'<link rel="icon" href="data:,">'
-        f"<title>{html.escape(title)}</title><style>{_STYLE}{_MORE}</style>"
-        f"<script>{get_plotlyjs()}</script></head>\n<body>\n"
-        + "\n".join(parts)
-        + "\n</body></html>\n"
-    )
+    return html_page(title, _STYLE + _MORE, "\n".join(parts), script=get_plotlyjs())
 
 
 def _verdict(record: Record) -> str:

@@ -12,6 +12,7 @@ from plotly.offline import get_plotlyjs
 
 from thermo.inverse import NORMAL
 
+from ._html_page import html_page
 from ._identifiability_plots import (
     correlations,
     field_maps,
@@ -57,15 +58,7 @@ def identifiability_page(record: Record, title: str) -> str:
         _section("What was left out", "left", left),
         _section("Made with", "versions", html.escape(made_with)),
     ]
-    return (
-        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
-        f'<meta name="viewport" content="width=device-width">'
-        f'<link rel="icon" href="data:,">'
-        f"<title>{html.escape(title)}</title><style>{_STYLE}</style>"
-        f"<script>{get_plotlyjs()}</script></head>\n<body>\n"
-        + "\n".join(parts)
-        + "\n</body></html>\n"
-    )
+    return html_page(title, _STYLE, "\n".join(parts), script=get_plotlyjs())
 
 
 def _section(heading: str, name: str, body: str) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ._atomic import atomic
+from thermo.observe import write_whole
 
 
 def _plain(value: object, where: str) -> Any:
@@ -51,5 +51,5 @@ def write_json(path: Path, data: Mapping[str, Any]) -> None:
     Raises `TypeError` with the dotted key of a value that JSON cannot hold.
     """
     text = json.dumps(_plain(data, "data"), indent=2, ensure_ascii=False, allow_nan=False)
-    with atomic(path) as temporary:
+    with write_whole(path) as temporary:
         temporary.write_text(text + "\n", encoding="utf-8")

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ._atomic import atomic
+from thermo.observe import write_whole
 
 
 def write_npz(path: Path, **arrays: Any) -> None:
@@ -24,5 +24,5 @@ def write_npz(path: Path, **arrays: Any) -> None:
         if array.dtype.hasobject:
             raise TypeError(f"{name}: an array of objects cannot be written to {path}")
     # An open file, because NumPy would add a second suffix to a name that does not end in .npz.
-    with atomic(path) as temporary, temporary.open("wb") as file:
+    with write_whole(path) as temporary, temporary.open("wb") as file:
         np.savez_compressed(file, allow_pickle=False, **plain)

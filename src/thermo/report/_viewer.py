@@ -16,7 +16,7 @@ Kind = Literal["temperature", "residual", "field"]
 
 MOST_VALUES = 30_000_000
 """Most values of all layers and readings [1] that one page holds: 60 million bytes, and a third
-more as text; a browser still opens that."""
+more as text."""
 
 
 @final

@@ -8,13 +8,16 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from jaxtyping import Float, UInt8, UInt16
+from matplotlib.colors import LogNorm
 
+from ._figure_field import colour_norm
 from ._viewer import Layer, Readings, Viewer
 
 UNKNOWN = 65535
 """Code of a value that is not known [1]; those that are have codes from 0 to one less."""
 _STEPS = UNKNOWN - 1
 _COLOURS = 256
+_GREY = 128
 # By kind, a colour map and the part of it that is used: black and white have no hue to read.
 _MAPS = {
     "temperature": ("inferno", 0.16, 0.97),
@@ -37,10 +40,32 @@ def viewer_record(viewer: Viewer) -> dict[str, Any]:
         "centre": centre.tolist(),
         "vertices": _text(viewer.vertices - centre, "<f4"),
         "triangles": _text(viewer.triangles, "<u4"),
+        "frame": opening_frame(viewer.layers[0]),
         "layers": [_layer(one) for one in viewer.layers],
         "readings": None if viewer.readings is None else _readings(viewer.readings, centre),
-        "maps": {kind: _text(_colours(*one), "u1") for kind, one in _MAPS.items()},
+        "maps": {kind: _text(_palette(kind), "u1") for kind in _MAPS},
     }
+
+
+def opening_frame(layer: Layer) -> int:
+    """The first frame [1] in which a layer's known values differ most: max - min [its unit].
+
+    A body that is heated begins with one temperature all over, which shows nothing of it.
+    """
+    known = np.isfinite(layer.values)
+    highest = np.where(known, layer.values, -np.inf).max(axis=1)
+    lowest = np.where(known, layer.values, np.inf).min(axis=1)
+    return int(np.argmax(highest - lowest))
+
+
+def coloured(layer: Layer) -> UInt8[np.ndarray, "frames vertices 3"]:
+    """Red, green and blue [1] of a layer's values, as the page shows them; grey for NaN."""
+    low, high, log = scale_of(layer.values, layer.kind)
+    codes = encode(layer.values, low, high, log)
+    shares = np.minimum(codes, _STEPS) / _STEPS
+    colours = _palette(layer.kind)[np.rint((_COLOURS - 1) * shares).astype(int)]
+    colours[codes == UNKNOWN] = _GREY
+    return colours
 
 
 def encode(
@@ -64,17 +89,13 @@ def scale_of(values: Float[np.ndarray, "frames places"], kind: str) -> tuple[flo
     A residual's are symmetric about zero; a field's are logarithmic where it is positive and
     exceeds a decade, as in the project's figures.
     """
-    low, high = float(np.nanmin(values)), float(np.nanmax(values))
     if kind == "residual":
-        most = max(abs(low), abs(high)) or 1.0
+        most = float(np.nanmax(np.abs(values))) or 1.0
         return -most, most, False
-    if kind == "field" and low > 0 and high > 10 * low:
-        return low, high, True
-    # A uniform field still needs a range.
-    if high - low <= 1e-6 * max(abs(low), abs(high)):
-        pad = 0.02 * max(abs(low), abs(high)) or 1.0
-        return low - pad, high + pad, False
-    return low, high, False
+    norm = colour_norm(values.ravel())
+    ends = norm.vmin, norm.vmax
+    assert ends[0] is not None and ends[1] is not None
+    return float(ends[0]), float(ends[1]), kind == "field" and isinstance(norm, LogNorm)
 
 
 def _layer(layer: Layer) -> dict[str, Any]:
@@ -102,7 +123,8 @@ def _readings(readings: Readings, centre: Float[np.ndarray, "3"]) -> dict[str, A
     }
 
 
-def _colours(name: str, first: float, last: float) -> UInt8[np.ndarray, "colours 3"]:
+def _palette(kind: str) -> UInt8[np.ndarray, "colours 3"]:
+    name, first, last = _MAPS[kind]
     found = np.asarray(mpl.colormaps[name](np.linspace(first, last, _COLOURS)))
     return np.rint(255 * found[:, :3]).astype(np.uint8)
 

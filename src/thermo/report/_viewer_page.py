@@ -6,6 +6,7 @@ import html
 import json
 from pathlib import Path
 
+from ._html_page import html_page
 from ._text import write_text
 from ._viewer import Viewer
 from ._viewer_data import viewer_record
@@ -106,7 +107,9 @@ _BODY = """
 <p id="rounding"></p>
 <p>The colours of a layer mean the same at all its times. Hatched places have no known value.
 Light darkens colours that are turned away by up to 18&nbsp;%; without it they are exactly those
-of the bar. Between the corners of a triangle values are linear.</p>
+of the bar. Between the corners of a triangle values are linear, and where the bar is logarithmic
+their logarithms. The page opens at the time at which the values differ most from place to
+place.</p>
 <p id="colouring"></p>
 <p>Drag to turn, drag with shift or with the right button to shift, scroll or pinch to zoom. The
 left and right arrow keys go through time, the space bar plays. With shift the arrow keys turn the
@@ -130,18 +133,16 @@ def write_viewer(path: Path, viewer: Viewer) -> None:
 
 def viewer_page(viewer: Viewer) -> str:
     """The whole page of a viewer [SI]; nothing in it is loaded from elsewhere, nor could it be."""
-    title = html.escape(viewer.title)
-    return (
-        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+    policy = (
         '<meta http-equiv="Content-Security-Policy" content="default-src \'none\'; '
         "script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:\">"
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        '<link rel="icon" href="data:,">'
-        f"<title>{title}</title><style>{_STYLE}</style><script>{CATCH}</script></head>\n<body>"
-        + _BODY.replace("@title@", title)
-        + f'<script type="application/json" id="data">{_json(viewer)}</script>\n'
-        + f"<script>{SCRIPT}</script>\n</body></html>\n"
     )
+    body = (
+        _BODY.replace("@title@", html.escape(viewer.title))
+        + f'<script type="application/json" id="data">{_json(viewer)}</script>\n'
+        + f"<script>{SCRIPT}</script>"
+    )
+    return html_page(viewer.title, _STYLE, body, head=policy, script=CATCH)
 
 
 def _json(viewer: Viewer) -> str:

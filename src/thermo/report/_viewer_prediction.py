@@ -9,8 +9,8 @@ from jaxtyping import Float, Int
 from scipy.spatial import KDTree
 
 from thermo.errors import InputError
-from thermo.inverse import Prediction, RecoveredField
-from thermo.mesh import Mesh, triangle_normals
+from thermo.inverse import Prediction, RecoveredField, carry_over
+from thermo.mesh import Mesh, nearest_triangle, triangle_normals
 
 from ._viewer import Layer, Readings, Viewer
 
@@ -46,8 +46,8 @@ def viewer_of_prediction(
     samples and at least two edges of the mesh, the residual is not known: readings of one side do
     not speak for the other. There is no such layer where no sample is near any vertex.
 
-    A face's field goes to its corners, weighted by area. A six-node face is drawn as four
-    triangles.
+    A face takes the field as the simulation did, and gives it to its corners, weighted by area. A
+    six-node face is drawn as four triangles.
 
     Raises `InputError` where a field does not fit the mesh.
     """
@@ -60,9 +60,13 @@ def viewer_of_prediction(
     residual = spread(prediction.points, difference, vertices, triangles)
     if np.isfinite(residual).any():
         layers.append(Layer("residual", "K", time, residual, "residual"))
-    for name, field in (fields or {}).items():
-        values = _at_vertices(field, mesh or prediction.mesh, vertices, triangles)
-        layers.append(Layer(name.replace("_", " "), field.unit, None, values, "field"))
+    fields, own = fields or {}, prediction.mesh
+    for field in fields.values():
+        _check_fit(field, mesh or own)
+    each = len(triangles) // len(own.faces)
+    for name, (_, faces) in carry_over(fields, mesh or own, own).items():
+        values = _at_vertices(np.repeat(faces, each), vertices, triangles)
+        layers.append(Layer(name.replace("_", " "), fields[name].unit, None, values, "field"))
     measured, readings = prediction.measured[frames], None
     if np.isfinite(measured).any():
         readings = Readings(prediction.points, time, measured)
@@ -93,7 +97,7 @@ def spread(
 
     v = sum_k w_k v_k / sum_k w_k with w_k = 1/d_k^2 over the valid ones of the three nearest
     samples, d_k^2 = |x - x_k|^2 + (0.6 r)^2 |n - n_k|^2 [m2], of those with d_k up to the reach
-    r; NaN where there is none. A sample's normal n_k is that of the nearest triangle's centre.
+    r; NaN where there is none. A sample's normal n_k is that of the nearest triangle.
 
     Source: inverse distance weights of D. Shepard, "A two-dimensional interpolation function for
     irregularly-spaced data", 1968.
@@ -102,7 +106,7 @@ def spread(
     normals, areas = triangle_normals(vertices, triangles)
     at_vertex = _to_vertices(areas[:, None] * normals, triangles, len(vertices))
     at_vertex /= np.maximum(np.linalg.norm(at_vertex, axis=1, keepdims=True), 1e-300)
-    _, face = KDTree(vertices[triangles].mean(axis=1)).query(points)
+    face = nearest_triangle(vertices[triangles], points)[0]
     count = min(_NEIGHBOURS, len(points))
     tree = KDTree(np.hstack([points, _TURN * reach * normals[face]]))
     found = tree.query(np.hstack([vertices, _TURN * reach * at_vertex]), k=count)
@@ -134,19 +138,18 @@ def _to_vertices(values: np.ndarray, triangles: np.ndarray, vertices: int) -> np
 
 
 def _at_vertices(
-    field: RecoveredField, mesh: Mesh, vertices: np.ndarray, triangles: np.ndarray
+    values: Float[np.ndarray, " triangles"], vertices: np.ndarray, triangles: np.ndarray
 ) -> Float[np.ndarray, " vertices"]:
-    """A field of a mesh's faces [its unit] at vertices of the same object [m]."""
+    """Values of triangles [their unit] at their vertices [m], weighted by area."""
+    _, areas = triangle_normals(vertices, triangles)
+    weighted = _to_vertices(areas * values, triangles, len(vertices))
+    return weighted / np.maximum(_to_vertices(areas, triangles, len(vertices)), 1e-300)
+
+
+def _check_fit(field: RecoveredField, mesh: Mesh) -> None:
     if len(field.faces) != len(mesh.faces):
         raise InputError(
             "the field does not fit the mesh", where=f"field {field.name}",
             value=f"{len(field.faces)} values on faces", limit=f"{len(mesh.faces)} faces",
             remedy="give as `mesh` that of the estimate which holds the field",
         )  # fmt: skip
-    normals, areas = triangle_normals(vertices, triangles)
-    # As between the meshes of fit and prediction: a face that looks another way is further off.
-    edge = float(np.sqrt(2.0 * areas.mean()))
-    there = np.hstack([mesh.nodes[mesh.faces[:, :3]].mean(axis=1), edge * mesh.normals])
-    _, face = KDTree(there).query(np.hstack([vertices[triangles].mean(axis=1), edge * normals]))
-    weighted = _to_vertices(areas * field.faces[face], triangles, len(vertices))
-    return weighted / np.maximum(_to_vertices(areas, triangles, len(vertices)), 1e-300)

@@ -33,8 +33,10 @@ const readings = data.readings && { ...data.readings,
 const samples = readings ? readings.points.length / 3 : 0;
 
 const START = { azimuth: -60, elevation: 28 };
-const state = { layer: 0, frame: 0, celsius: false, dots: samples > 0 && samples <= 150,
-  light: true, ...START, zoom: 1, shift: [0, 0], pointer: null };
+// `time` leads: it stays while a layer without one is shown.
+const state = { layer: 0, frame: 0, time: (layers[0].time || [0])[data.frame],
+  celsius: false, dots: samples > 0 && samples <= 150, light: true, ...START, zoom: 1,
+  shift: [0, 0], pointer: null };
 const layer = () => layers[state.layer];
 const frames = (one) => (one.time ? one.time.length : 1);
 const now = () => (layer().time ? layer().time[state.frame] : null);
@@ -46,7 +48,7 @@ const nearest = (times, time) => {
 const valueOf = (one, share) => one.log
   ? one.low * (one.high / one.low) ** share : one.low + (one.high - one.low) * share;
 const codesAt = (one, frame, count) => one.codes.subarray(frame * count, (frame + 1) * count);
-const reading = () => (now() === null ? 0 : nearest(readings.time, now()));
+const reading = () => nearest(readings.time, state.time);
 """
 
 _WORDS = r"""
@@ -120,8 +122,7 @@ const tellPointer = () => {
   const read = dot === null ? "" : ` Reading of sample ${dot}: ` + (code === UNKNOWN ? "none"
     : amount({ ...readings, kind: "temperature", unit: "K", low: hot.low, high: hot.high },
       valueOf(readings, code / STEPS)))
-    + (now() === null || readings.time[reading()] === now() ? "."
-      : ` at ${seconds(readings.time[reading()])}.`);
+    + (readings.time[reading()] === now() ? "." : ` at ${seconds(readings.time[reading()])}.`);
   words.textContent = `${spoken(one)} under the pointer: ${said}, at (${where}) mm.${read}`;
   $("mark").hidden = missing;
   $("mark").style.bottom = `${100 * share}%`;
@@ -190,17 +191,15 @@ const note = () => {
 };
 const show = (frame) => {
   state.frame = Math.min(Math.max(0, frame), frames(layer()) - 1);
+  if (layer().time) state.time = now();
   tell();
   later();
   note();
 };
 const choose = (index) => {
-  const before = now();
   state.layer = index;
-  if (layer().time && before !== null) state.frame = nearest(layer().time, before);
-  else state.frame = Math.min(state.frame, frames(layer()) - 1);
   tellLayer();
-  show(state.frame);
+  show(layer().time ? nearest(layer().time, state.time) : 0);
 };
 const look = (azimuth, elevation, zoom) => {
   state.azimuth = ((azimuth + 180) % 360 + 360) % 360 - 180;

@@ -10,7 +10,7 @@ import meshio
 import numpy as np
 from jaxtyping import Float, Int, Num
 
-from ._atomic import atomic
+from thermo.observe import write_whole
 
 _CELL_TYPES = {4: "tetra", 10: "tetra10"}
 
@@ -50,7 +50,7 @@ def write_vtu(
         point_data=_checked(point_data or {}, len(nodes), "nodes"),
         cell_data={n: [v] for n, v in _checked(cell_data or {}, len(cells), "cells").items()},
     )
-    with atomic(path) as temporary:
+    with write_whole(path) as temporary:
         meshio.write(temporary, mesh, file_format="vtu")
 
 
@@ -75,5 +75,5 @@ def write_pvd(
             collection, "DataSet", timestep=repr(float(time)), group="", part="0", file=name
         )
     ElementTree.indent(root)
-    with atomic(path) as temporary:
+    with write_whole(path) as temporary:
         ElementTree.ElementTree(root).write(temporary, encoding="utf-8", xml_declaration=True)

@@ -30,8 +30,13 @@ def write_registration(
     footprint of a pixel there [m], the cosine to the normal [1]) and `RUN+registration.json`. "+"
     cannot stand in a run's name, so that no recording is met.
 
-    Arguments: `coverage`, the share of the surface that cameras read [1]; `told`: what was wrong
-    with the frames, in words.
+    Arguments:
+
+    - `folder`, `run`: where they are left, and the name they begin with.
+    - `cameras`, `samples`: in one order; the record tells of each camera how many samples it reads
+      and the median footprint of a pixel there [m], by its name.
+    - `coverage`: share of the surface that cameras read [1].
+    - `told`: what was wrong with the frames, in words. `configuration`: what was asked for.
     """
     write_npz(
         folder / f"{run}+samples.npz", points=samples.points, seen=samples.seen,

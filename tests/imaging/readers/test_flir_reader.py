@@ -12,6 +12,7 @@ import pytest
 from PIL import Image
 
 from thermo.errors import InputError
+from thermo.imaging import read_frames
 from thermo.imaging.readers import FlirReader, Stated
 
 READER = FlirReader()
@@ -64,6 +65,16 @@ def radiometric(
     Image.fromarray(np.zeros((64, 64, 3), np.uint8)).save(stream, "JPEG", exif=exif)
     jpeg = stream.getvalue()
     return jpeg[:2] + segment + jpeg[2:]
+
+
+def flir_data_last(jpeg: bytes) -> bytes:
+    """The same picture with FLIR's data behind its other data and two full segments."""
+    ends = [2]
+    for _ in range(3):  # FLIR's, the file's, and the Exif data
+        start = ends[-1] + 2
+        ends.append(start + int.from_bytes(jpeg[start : start + 2], "big"))
+    full = b"\xff\xe4\xff\xff" + bytes(0xFFFD)
+    return jpeg[:2] + jpeg[ends[1] : ends[3]] + 2 * full + jpeg[2 : ends[1]] + jpeg[ends[3] :]
 
 
 KELVIN = np.linspace(280.0, 340.0, 48).reshape(6, 8)
@@ -149,7 +160,11 @@ def test_a_wrong_radiometric_header_is_refused(tmp_path: Path, wrong: dict, part
     assert READER.read(path, Stated(unit="counts")).counts
 
 
-def test_photographs_and_djis_own_format_are_refused(tmp_path: Path) -> None:
+def test_photographs_and_djis_own_format_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("THERMOFIELD_DJI_IRP", raising=False)
     path = tmp_path / "one.jpg"
     exif = Image.Exif()
     Image.new("RGB", (8, 8)).save(path)
@@ -157,10 +172,14 @@ def test_photographs_and_djis_own_format_are_refused(tmp_path: Path) -> None:
         READER.read(path, Stated())
     exif[0x010F] = "DJI"
     Image.new("RGB", (8, 8)).save(path, exif=exif)
-    with pytest.raises(InputError, match="DJI Thermal Analysis Tool"):
-        READER.read(path, Stated())
+    assert not READER.recognises(path)
+    with pytest.raises(InputError, match="DJI Thermal Analysis Tool") as caught:
+        read_frames(path, Stated())
+    assert "THERMOFIELD_DJI_IRP" in str(caught.value)
     path.write_bytes(radiometric(np.round(signal(KELVIN)), maker="DJI"))
-    assert READER.read(path, Stated()).values.shape == (1, 6, 8)
+    assert read_frames(path, Stated()).values.shape == (1, 6, 8)
+    path.write_bytes(flir_data_last(path.read_bytes()))
+    assert read_frames(path, Stated()).values.shape == (1, 6, 8)
     path.write_bytes(b"no picture")
     with pytest.raises(InputError, match="not a whole JPEG file"):
         READER.read(path, Stated())

@@ -77,6 +77,20 @@ def test_what_the_file_states_otherwise_is_refused(tmp_path: Path) -> None:
     assert "a.is2" in str(caught.value)
 
 
+def test_the_stated_mean_may_be_off_by_a_camera_s_accuracy(tmp_path: Path) -> None:
+    """2 K, or 2 % of what is stated in Celsius where that is more."""
+    path = tmp_path / "a.is2"
+    for celsius, near, far in ((CELSIUS, 1.8, 2.3), (CELSIUS + 105.0, 2.5, 3.1)):
+        mean = float(celsius.mean())
+        write_is2(path, celsius, mean=mean + near)
+        np.testing.assert_allclose(
+            read_frames(path, Stated()).values[0], celsius + 273.15, atol=0.1
+        )
+        write_is2(path, celsius, mean=mean + far)
+        with pytest.raises(InputError, match="not those that the file states"):
+            read_frames(path, Stated())
+
+
 def test_a_truncated_file_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "a.is2"
     write_is2(path, CELSIUS)

@@ -85,6 +85,21 @@ def test_a_table_of_times_orders_frames(tmp_path: Path) -> None:
     np.testing.assert_array_equal(frames.values[:, 0, 0], [300.0, 301.0])
 
 
+def test_a_first_line_of_missing_cells_does_not_hide_the_separator(tmp_path: Path) -> None:
+    write(tmp_path, {"a.csv": "\t\n25,5\t26\n"})
+    values = READER.read(tmp_path, Stated(unit="C")).values[0]
+    np.testing.assert_allclose(values[1], [298.65, 299.15], atol=3e-5)
+    assert np.isnan(values[0]).all()
+
+
+@pytest.mark.parametrize(
+    "table", ["File;Time [ms]\nb.csv;1500,5\na.csv;500\n", "time,file\n1.5005,b.csv\n0.5,a.csv\n"]
+)
+def test_a_table_of_times_is_a_table_as_any_other(tmp_path: Path, table: str) -> None:
+    write(tmp_path, {"a.csv": "300\n", "b.csv": "301\n", "times.csv": table})
+    np.testing.assert_allclose(READER.read(tmp_path, Stated()).time, [0.5, 1.5005])
+
+
 @pytest.mark.parametrize(
     ("table", "part"),
     [

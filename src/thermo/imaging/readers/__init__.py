@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from ._closed import check_open
 from ._csv_folder import CsvFolderReader
+from ._dji_reader import DjiReader
 from ._flir_reader import FlirReader
 from ._fluke_reader import FlukeReader
 from ._hcc_reader import HccReader
@@ -21,6 +22,7 @@ from ._tiff_reader import TiffReader
 __all__ = [
     "AbstractReader",
     "CsvFolderReader",
+    "DjiReader",
     "FlirReader",
     "FlukeReader",
     "HccReader",

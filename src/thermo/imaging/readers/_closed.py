@@ -20,8 +20,6 @@ _MAKERS: Final = {
 }
 """Makers that do not publish their format, by suffix, and the program that exports it."""
 
-_HEAD: Final = 65536
-
 
 def check_open(path: Path) -> None:
     """Raise `InputError` for a file, or a folder of files, of a format that is closed.
@@ -30,22 +28,14 @@ def check_open(path: Path) -> None:
     """
     for suffix, (maker, program) in _MAKERS.items():
         if is_kind(path, (suffix,)):
-            raise _closed(path, f"a {suffix} file of {maker}", program)
+            raise closed(path, f"a {suffix} file of {maker}", program)
 
 
-def check_no_dji(path: Path, content: bytes) -> None:
-    """Raise `InputError` for a radiometric JPEG of DJI's own: only its Thermal SDK can read it.
-
-    DJI's earlier cameras held a FLIR core and wrote FLIR's format, which passes.
-    """
-    if b"DJI" in content[:_HEAD] and b"FLIR\x00" not in content:
-        raise _closed(path, "a radiometric JPEG of DJI", "DJI Thermal Analysis Tool")
-
-
-def _closed(path: Path, what: str, program: str) -> InputError:
+def closed(path: Path, what: str, program: str, *, other: str = "") -> InputError:
+    """The error for a format that is its maker's own, whose `program` exports it."""
     return InputError(
         "this format is its maker's own", where=str(path), value=what,
         limit="a format that is documented, or that a free library reads",
-        remedy=f"export from {program} (or the camera's own program): 16-bit or 32-bit TIFF, or "
-        "one CSV a frame, with the times of the frames",
+        remedy=f"{other}export from {program} (or the camera's own program): 16-bit or 32-bit "
+        "TIFF, or one CSV a frame, with the times of the frames",
     )  # fmt: skip

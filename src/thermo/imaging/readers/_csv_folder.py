@@ -9,11 +9,11 @@ import numpy as np
 
 from thermo.errors import InputError
 from thermo.imaging._frames import Frames
+from thermo.observe import csv_lines
 
-from ._folder import frame_files, is_kind, stacked, timed
+from ._folder import is_kind, single_frames
 from ._reader import AbstractReader
 from ._stated import Stated
-from ._values import frames_of
 
 _SUFFIXES = (".csv",)
 _MISSING: Final = frozenset({"", "nan", "na", "n/a", "-"})
@@ -38,30 +38,16 @@ class CsvFolderReader(AbstractReader):
 
     def read(self, path: Path, given: Stated) -> Frames:
         """The frames [K] or [1] and their times [s]; raises `InputError`."""
-        files, times = timed(path, frame_files(path, _SUFFIXES))
-        names = [one.name for one in files]
-        values = stacked(files, _read)
-        return frames_of(values, given, where=str(path), stamps=times, names=names)
+        return single_frames(path, _SUFFIXES, _read, given)
 
 
 def _read(path: Path) -> np.ndarray:
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (UnicodeDecodeError, OSError) as error:
-        raise InputError(
-            "not a text file", where=str(path), value=type(error).__name__,
-            limit="CSV in UTF-8", remedy="export the frame as CSV (UTF-8)",
-        ) from error  # fmt: skip
-    numbered = [
-        (number, line) for number, line in enumerate(text.splitlines(), start=1)
-        if line.strip(" ") and not line.lstrip().startswith("#")
-    ]  # fmt: skip
+    numbered, separator = csv_lines(path)
     if not numbered:
         raise InputError(
-            "no rows of data", where=str(path), value=f"{len(text)} characters",
+            "no rows of data", where=str(path), value=f"{path.stat().st_size} bytes",
             limit="a line of numbers a row of the frame", remedy="export the frame again",
         )  # fmt: skip
-    separator = next((mark for mark in ";\t" if mark in numbered[0][1]), ",")
     lines = [line.replace(",", ".") if separator != "," else line for _, line in numbered]
     if all(line.rstrip(" ").endswith(separator) for line in lines):
         lines = [line.rstrip(" ")[:-1] for line in lines]  # exports often end lines with one

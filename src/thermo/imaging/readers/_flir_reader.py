@@ -8,21 +8,15 @@ from pathlib import Path
 from typing import Any, Final, final
 
 import numpy as np
-from jaxtyping import Float
 
 from thermo.errors import InputError
 from thermo.imaging._frames import Frames
 
-from ._closed import check_no_dji
 from ._damaged import damaged, library
-from ._exif_time import exif_time
-from ._folder import first_bytes, frame_files, is_kind, stacked, timed
+from ._jpeg import is_jpeg, is_of_dji, jpeg_frames
 from ._reader import AbstractReader
 from ._stated import Stated
-from ._values import frames_of
 
-_SUFFIXES = (".jpg", ".jpeg", ".rjpg")
-_JPEG = b"\xff\xd8\xff"
 _POSITIVE: Final = ("planck_r1", "planck_r2", "planck_b", "ir_window_transmission")
 
 
@@ -41,44 +35,19 @@ class FlirReader(AbstractReader):
         return "radiometric JPEG of FLIR (one, or a folder of them)"
 
     def recognises(self, path: Path) -> bool:
-        """By suffix, or by the first bytes of a JPEG."""
-        return is_kind(path, _SUFFIXES) or first_bytes(path, 3) == _JPEG
+        """By suffix, or by the first bytes of a JPEG, unless it is of DJI's own format."""
+        return is_jpeg(path) and not is_of_dji(path)
 
     def read(self, path: Path, given: Stated) -> Frames:
         """The frames [K] or [1] and their times [s]; raises `InputError`."""
         library("flyr", path)
-        files, times = [path], None
-        if path.is_dir():
-            files, times = timed(path, frame_files(path, _SUFFIXES))
-        stamps: list[float | None] = []
-
-        def one(file: Path) -> np.ndarray:
-            content = file.read_bytes()
-            stamps.append(exif_time(content))
-            return _values(file, content, given)
-
-        values = stacked(files, one)
-        if times is None:
-            times = _dates(stamps)
         unit = "counts" if given.unit == "counts" else "K"
-        names = [file.name for file in files] if path.is_dir() else ()
-        return frames_of(values, given, where=str(path), unit=unit, stamps=times, names=names)
+        return jpeg_frames(
+            path, lambda file, content: _values(file, content, unit), given, unit=unit
+        )  # fmt: skip
 
 
-def _dates(stamps: list[float | None]) -> Float[np.ndarray, " frames"] | None:
-    known = [stamp for stamp in stamps if stamp is not None]
-    if len(known) < len(stamps):
-        return None
-    dates = np.array(known)
-    whole = bool((dates == np.round(dates)).all())
-    # Whole seconds that repeat are too coarse to be times of frames.
-    return None if whole and (np.diff(dates) == 0).any() else dates
-
-
-def _values(path: Path, content: bytes, given: Stated) -> np.ndarray:
-    check_no_dji(path, content)
-    if not content.startswith(_JPEG):
-        raise damaged(path, "JPEG file", "another beginning")
+def _values(path: Path, content: bytes, unit: str) -> np.ndarray:
     if b"FLIR\x00" not in content:
         raise InputError(
             "no radiometric header", where=str(path), value="a JPEG without data of a FLIR camera",
@@ -87,7 +56,7 @@ def _values(path: Path, content: bytes, given: Stated) -> np.ndarray:
             "its temperatures; take photographs out of the folder",
         )  # fmt: skip
     thermogram, signal = _unpacked(path, content)
-    if given.unit == "counts":
+    if unit == "counts":
         return signal
     _check_settings(path, thermogram.metadata)
     try:

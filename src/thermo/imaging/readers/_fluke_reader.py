@@ -12,15 +12,16 @@ from thermo.errors import InputError
 from thermo.imaging._frames import Frames
 
 from ._damaged import damaged, library
-from ._folder import frame_files, is_kind, stacked, timed
+from ._folder import is_kind, single_frames
 from ._reader import AbstractReader
 from ._stated import Stated
-from ._values import frames_of
 
 _SUFFIXES = (".is2",)
 _APART: Final = 2.0
-"""How far the mean of what is read may be from the one that the file states [K]: what a camera is
-calibrated to. A model whose file is laid out otherwise is further off."""
+_SHARE: Final = 0.02
+"""How far the mean of what is read may be from the one that the file states, the larger of 2 K and
+2 % of it in degrees Celsius: the accuracy in data sheets of these cameras, below which a difference
+does not matter. A model whose file is laid out otherwise is further off."""
 
 
 @final
@@ -28,8 +29,8 @@ class FlukeReader(AbstractReader):
     """IS2 of Fluke: temperatures [K] by emissivity, background and transmission in each file.
 
     The format is not documented; the library that reads it knows the Ti300 and the Ti480 PRO. The
-    mean of each frame must be the one that the file itself states. A file has no time that is fine
-    enough for frames: state `rate`, or put `times.csv` beside the files.
+    mean of each frame must be the one that the file itself states, where it does. A file has no
+    time that is fine enough for frames: state `rate`, or put `times.csv` beside the files.
     """
 
     def format(self) -> str:
@@ -43,12 +44,9 @@ class FlukeReader(AbstractReader):
     def read(self, path: Path, given: Stated) -> Frames:
         """The frames [K] and their times [s]; raises `InputError`."""
         reader = library("fluke_thermal_reader", path)
-        files, times = [path], None
-        if path.is_dir():
-            files, times = timed(path, frame_files(path, _SUFFIXES))
-        values = stacked(files, lambda file: _celsius(file, reader))
-        names = [file.name for file in files] if path.is_dir() else ()
-        return frames_of(values, given, where=str(path), unit="C", stamps=times, names=names)
+        return single_frames(
+            path, _SUFFIXES, lambda file: _celsius(file, reader), given, unit="C"
+        )  # fmt: skip
 
 
 def _celsius(path: Path, reader: Any) -> np.ndarray:
@@ -61,12 +59,13 @@ def _celsius(path: Path, reader: Any) -> np.ndarray:
         except Exception as error:  # the library lets out whatever its parsing meets
             raise damaged(path, "IS2 file", error) from error
     values = np.asarray(found["data"], np.float32)
-    stated = found.get("AvgTemp")
+    stated = found.get("AvgTemp", 0.0)  # 0 also where the file does not state it
     mean = float(np.nanmean(values)) if np.isfinite(values).any() else np.nan
-    if stated and not abs(mean - stated) <= _APART:
+    limit = max(_APART, _SHARE * abs(stated))
+    if stated and not abs(mean - stated) <= limit:
         raise InputError(
             "the temperatures are not those that the file states", where=str(path),
-            value=f"mean {mean:.1f} C, stated {stated:.1f} C", limit=f"within {_APART:g} K",
+            value=f"mean {mean:.1f} C, stated {stated:.1f} C", limit=f"within {limit:.3g} K",
             remedy="this camera lays its files out in a way that is not known: export TIFF or CSV "
             "from SmartView",
         )  # fmt: skip

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -12,9 +11,14 @@ import numpy as np
 from jaxtyping import Float, Shaped
 
 from thermo.errors import InputError
+from thermo.imaging._frames import Frames
+from thermo.observe import TIME, read_table
+
+from ._stated import Stated
+from ._values import frames_of
 
 TIMES: Final = "times.csv"
-"""Beside single frames: columns `file` and `time_s`, a row a frame."""
+"""Beside single frames: columns `file` and `time_s` (or `time_ms` and so on), a row a frame."""
 
 
 def frame_files(folder: Path, suffixes: Sequence[str]) -> list[Path]:
@@ -46,7 +50,33 @@ def first_bytes(path: Path, count: int) -> bytes:
         return b""
 
 
-def timed(
+def single_frames(
+    path: Path,
+    suffixes: Sequence[str],
+    read: Callable[[Path], Shaped[np.ndarray, "..."]],
+    given: Stated,
+    *,
+    unit: str | None = None,
+    dates: Callable[[], Float[np.ndarray, " frames"] | None] = lambda: None,
+) -> Frames:
+    """Frames [K] or [1] and their times [s] of a file that holds one, or of a folder of them.
+
+    Arguments: what the files' names end in; `read`, which reads one; the `unit` that they name;
+    `dates` of the files [s], asked after the last was read where no `times.csv` is beside them.
+
+    Raises `InputError`, naming the files, where they do not belong together, or their times do not
+    belong to them.
+    """
+    files, times = [path], None
+    if path.is_dir():
+        files, times = _timed(path, frame_files(path, suffixes))
+    values = _stacked(files, read)
+    names = [one.name for one in files] if path.is_dir() else ()
+    stamps = dates() if times is None else times
+    return frames_of(values, given, where=str(path), unit=unit, stamps=stamps, names=names)
+
+
+def _timed(
     folder: Path, files: Sequence[Path]
 ) -> tuple[list[Path], Float[np.ndarray, " frames"] | None]:
     """Files and their times [s] by `times.csv`, in the order of time; no times without one.
@@ -70,7 +100,7 @@ def timed(
     return ordered, np.array([times[one.name] for one in ordered])
 
 
-def stacked(
+def _stacked(
     files: Sequence[Path], read: Callable[[Path], Shaped[np.ndarray, "..."]]
 ) -> Shaped[np.ndarray, "frames rows columns"]:
     """Single frames in one array, filled one after the other.
@@ -111,32 +141,22 @@ def _natural(name: str) -> list[tuple[int, str]]:
     return [(int(part), "") if part[:1].isdecimal() else (-1, part) for part in parts if part]
 
 
-def _read_times(table: Path) -> dict[str, float]:
-    try:
-        text = table.read_text(encoding="utf-8-sig")
-    except (UnicodeDecodeError, OSError) as error:
-        raise _bad_times(table, type(error).__name__) from error
-    lines = [one for one in text.splitlines() if one.strip() and not one.startswith("#")]
-    separator = next((mark for mark in ";\t" if lines and mark in lines[0]), ",")
-    rows = [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=separator)]
-    if not rows or [cell.casefold() for cell in rows[0]] != ["file", "time_s"]:
-        raise _bad_times(table, f"header {rows[0] if rows else '(none)'}")
-    times: dict[str, float] = {}
-    for row in rows[1:]:
-        try:
-            name, cell = row
-            time = float(cell.replace(",", ".") if separator != "," else cell)
-        except ValueError:
-            raise _bad_times(table, f"row {row}") from None
-        if name in times:
-            raise _bad_times(table, f"{name} twice")
-        times[name] = time
+def _read_times(file: Path) -> dict[str, float]:
+    table = read_table(file)
+    columns = table.bases({"file": {}, "time": TIME})
+    if sorted(columns) != ["file", "time"]:
+        raise _bad_times(file, f"header {', '.join(table.header)}")
+    names = [row[columns["file"]] for row in table.rows]
+    times = dict(zip(names, table.numbers(columns["time"], TIME).tolist(), strict=True))
+    if len(times) < len(names):
+        twice = next(name for name in names if names.count(name) > 1)
+        raise _bad_times(file, f"{twice} twice")
     return times
 
 
-def _bad_times(table: Path, value: str) -> InputError:
+def _bad_times(file: Path, value: str) -> InputError:
     return InputError(
-        "the table of times does not hold a file and a time a row", where=str(table), value=value,
+        "the table of times does not hold a file and a time a row", where=str(file), value=value,
         limit="a header `file,time_s`, then each file's name once and its time in seconds",
         remedy="correct the row",
     )  # fmt: skip

@@ -37,15 +37,10 @@ class NpyReader(AbstractReader):
             with path.open("rb") as stream:
                 values = np.lib.format.read_array(stream, allow_pickle=False)
         except (ValueError, OSError, EOFError, SyntaxError, MemoryError) as error:
-            raise unreadable(path, "NPY file", error) from error
+            if "Object arrays" in str(error):
+                raise objects(path) from error
+            raise damaged(path, "NPY file", error) from error
         return frames_of(values, given, where=str(path))
-
-
-def unreadable(path: Path, kind: str, error: Exception) -> InputError:
-    """The error for an array of NumPy that cannot be read, pickled objects among them."""
-    if "pickle" in str(error).casefold() or "Object arrays" in str(error):
-        return objects(path)
-    return damaged(path, kind, error)
 
 
 def objects(path: Path, name: str = "") -> InputError:

@@ -14,7 +14,7 @@ from thermo.errors import InputError
 from thermo.imaging._frames import Frames
 
 from ._damaged import damaged, library
-from ._folder import first_bytes, frame_files, is_kind, stacked, timed
+from ._folder import first_bytes, is_kind, single_frames
 from ._reader import AbstractReader
 from ._stated import Stated
 from ._values import frames_of
@@ -45,10 +45,7 @@ class TiffReader(AbstractReader):
         library("tifffile", path)
         if not path.is_dir():
             return frames_of(_read(path), given, where=str(path))
-        files, times = timed(path, frame_files(path, _SUFFIXES))
-        names = [one.name for one in files]
-        values = stacked(files, _read)
-        return frames_of(values, given, where=str(path), stamps=times, names=names)
+        return single_frames(path, _SUFFIXES, _read, given)
 
 
 def _read(path: Path) -> np.ndarray:

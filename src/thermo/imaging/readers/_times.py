@@ -40,6 +40,6 @@ def times_of(
         "nothing tells the times of these frames", where=where,
         value=f"{count} frames, no stamps that tell them apart",
         limit="time stamps in the file, or `rate` [Hz] or `times` [s] stated",
-        remedy="state recording.rate, such as 30 for 30 frames a second (from Python rate or times "
-        "of Stated); of a folder times.csv in it may say them",
+        remedy="state recording.rate, such as 30 for 30 frames a second, or recording.times (from "
+        "Python rate or times of Stated); of a folder times.csv in it may say them",
     )  # fmt: skip

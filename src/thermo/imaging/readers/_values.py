@@ -16,6 +16,12 @@ from ._stated import UNITS, Stated
 from ._times import times_of
 
 _ZERO_C: Final = 273.15
+
+_EVERYDAY: Final = (250.0, 400.0)
+_WARM: Final = 200.0
+"""Numbers with a middle as kelvin of everyday scenes have it, of which none is below what air and
+walls about a hot object have in Celsius: these are kelvin."""
+
 _NAMES: Final = {
     "k": "K", "kelvin": "K", "c": "C", "°c": "C", "degc": "C", "celsius": "C",
     "degrees celsius": "C", "counts": "counts", "count": "counts", "dl": "counts",
@@ -122,13 +128,13 @@ def _check_frames(values: np.ndarray, names: Sequence[str], where: str) -> None:
 
 def _check_unit(values: np.ndarray, unit: str, given: Stated, where: str) -> None:
     middle = float(np.nanmedian(values[0]))
-    if unit == "C" and 250.0 <= middle - _ZERO_C <= 400.0:
+    if unit == "C" and _EVERYDAY[0] <= middle - _ZERO_C <= _EVERYDAY[1]:
         lowest = float(np.nanmin(values)) - _ZERO_C
-        if lowest > 200.0:
+        if lowest > _WARM:
             raise InputError(
                 "temperatures said to be Celsius look like kelvin", where=where,
                 value=f"{lowest:g} at least, {middle - _ZERO_C:g} in the middle of frame 0",
-                limit="Celsius of a scene that is not above 200 C everywhere",
+                limit=f"Celsius of a scene that is not above {_WARM:g} C everywhere",
                 remedy="state recording.unit=K; if they truly are Celsius, store them in kelvin",
             )  # fmt: skip
     if unit == "K" and middle < COLDEST and not given.scaled():

@@ -1,0 +1,45 @@
+"""What the examples that ask for a missing effect print and leave."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from scripts import load_example
+from verdicts import verdict
+
+from thermo.discover import Setting, library
+from thermo.mesh import box_mesh
+from thermo.report import discovery_record
+
+
+@pytest.fixture
+def example(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+    return load_example("asking", monkeypatch)
+
+
+def test_it_tells_each_round_and_leaves_the_page(
+    example: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found = verdict("inseparable")
+    example.tell(found, "a plate & its lamp", tmp_path)
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[:4] == [
+        "round 1: hidden_source or sensor_lag, 1.25 W [1.21, 1.29]",
+        "  lamp: rms 0.500 to 0.050 K",
+        "  cooling: rms 0.200 to 0.060 K",
+        "conductivity: 2.2 before, 2 after",
+    ]
+    assert lines[4:-1] == discovery_record(found)["sentences"] and len(lines) > 5
+    assert lines[-1] == f"page: {tmp_path / 'verdict.html'}"
+    assert "a plate &amp; its lamp" in (tmp_path / "verdict.html").read_text("utf-8")
+
+
+def test_couples_are_no_camera(example: ModuleType) -> None:
+    setting = Setting(box_mesh((0.02, 0.01, 0.01), (2, 1, 1)), 2700.0, 30.0, 290.0, 340.0)
+    kept, every = (
+        [one.card.name for one in some(setting)] for some in (example.for_couples, library)
+    )
+    assert set(every) - set(kept) == {"camera_emissivity", "camera_drift"}
+    assert kept == [name for name in every if name in kept]
