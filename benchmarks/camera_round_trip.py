@@ -33,6 +33,7 @@ from thermo.imaging import (
     View,
     look,
     looking_at,
+    looks_of,
     refined,
     register_frames,
     render,
@@ -131,7 +132,7 @@ def row_of(folder: Path, out: Path) -> list[object]:
     films = [filmed(one, surface, time, vertices, NOISE) for one in cameras]
     clean = [filmed(one, surface, time, vertices, 0.0) for one in cameras]
     measured = scene.runs["heating"].recording
-    places = samples_at(plain, cameras, measured.points)
+    places = samples_at(looks_of(plain, cameras), measured.points)
     seen = places.seen.any(axis=0)
     other = measured.temperature[::EVERY][:, seen]
     read, plain = (

@@ -22,10 +22,7 @@ from pathlib import Path
 import numpy as np
 import trimesh
 
-from thermo.imaging import Camera, looking_at
-from thermo.imaging._colours import Colours, coloured
-from thermo.imaging._pixel_map import PixelMap, look
-from thermo.imaging._render import render
+from thermo.imaging import Camera, Colours, PixelMap, coloured, look, looking_at, render
 from thermo.mesh import Surface
 
 RESULTS = Path(__file__).resolve().parent / "results" / "rendering_speed.csv"
