@@ -18,6 +18,7 @@ ROOMS = (
     "physics",
     "observe",
     "imaging",
+    "reconstruct",
     "inverse",
     "identify",
     "discover",

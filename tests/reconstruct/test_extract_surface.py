@@ -1,0 +1,104 @@
+"""Closed surfaces from distances of closed form."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from thermo.errors import InputError
+from thermo.mesh import Surface
+from thermo.reconstruct._extract_surface import extract_surface
+from thermo.reconstruct._region import Region
+
+REGION = Region(np.array([0.1, -0.2, 0.3]), 0.05)
+Distance = Callable[[jax.Array], jax.Array]
+
+
+def ball(radius: float, centre: tuple[float, float, float] = (0.03, 0.05, -0.02)) -> Distance:
+    return lambda places: jnp.linalg.norm(places - jnp.asarray(centre), axis=1) - radius
+
+
+def ring(places: jax.Array) -> jax.Array:
+    flat = jnp.sqrt(places[:, 0] ** 2 + places[:, 1] ** 2 + 1e-18) - 0.5
+    return jnp.sqrt(flat**2 + places[:, 2] ** 2) - 0.2
+
+
+def block(places: jax.Array) -> jax.Array:
+    off = jnp.abs(places) - jnp.asarray([0.5, 0.3, 0.4])
+    outside = jnp.linalg.norm(jnp.maximum(off, 0.0), axis=1)
+    return outside + jnp.minimum(jnp.max(off, axis=1), 0.0)
+
+
+def shape_of(surface: Surface) -> tuple[float, float]:
+    """Area and volume in the region's own unit."""
+    return surface.area() / REGION.half**2, surface.volume() / REGION.half**3
+
+
+@pytest.mark.parametrize(
+    ("distance", "area", "volume"),
+    [
+        (ball(0.6), 4 * np.pi * 0.6**2, 4 / 3 * np.pi * 0.6**3),
+        (ring, 4 * np.pi**2 * 0.5 * 0.2, 2 * np.pi**2 * 0.5 * 0.2**2),
+    ],
+)
+def test_area_and_volume_err_by_the_square_of_a_cell(
+    distance: Distance, area: float, volume: float
+) -> None:
+    off = []
+    for cells in (16, 32, 64):
+        found = shape_of(extract_surface(distance, REGION, cells=cells, triangles=10**6))
+        off.append([abs(found[0] / area - 1), abs(found[1] / volume - 1)])
+    rates = np.log2(np.asarray(off[:-1]) / np.asarray(off[1:]))
+    assert (rates > 1.7).all() and (rates < 2.6).all(), rates
+    assert max(off[-1]) < 0.01
+
+
+def test_vertices_lie_on_the_surface_in_metres_and_turn_outward() -> None:
+    surface = extract_surface(ball(0.6), REGION, cells=32, triangles=10**6)
+    centre = REGION.centre + REGION.half * np.array([0.03, 0.05, -0.02])
+    off = np.linalg.norm(surface.vertices - centre, axis=1) - 0.6 * REGION.half
+    # Marching cubes alone leaves (2 / 32)^2 / 8 / 0.6 of half an edge; a step of Newton's less.
+    assert np.abs(off).max() < 1e-4 * REGION.half
+    assert surface.volume() > 0
+
+
+def test_a_block_keeps_its_volume_when_it_is_brought_down() -> None:
+    surface = extract_surface(block, REGION, cells=64, triangles=2000)
+    assert len(surface.triangles) <= 2000
+    volume = shape_of(surface)[1]
+    assert volume == pytest.approx(8 * 0.5 * 0.3 * 0.4, rel=0.01)
+
+
+def test_crumbs_are_left_out() -> None:
+    def two(places: jax.Array) -> jax.Array:
+        return jnp.minimum(ball(0.4)(places), ball(0.1, (0.7, 0.7, 0.7))(places))
+
+    alone = extract_surface(ball(0.4), REGION, cells=32)
+    surface = extract_surface(two, REGION, cells=32)
+    assert surface.volume() == pytest.approx(alone.volume(), rel=1e-6)
+
+
+def test_far_from_the_surface_few_places_are_asked_for() -> None:
+    asked = []
+
+    def counted(places: jax.Array) -> jax.Array:
+        asked.append(len(np.unique(np.asarray(places), axis=0)))
+        return ball(0.3)(places)
+
+    extract_surface(counted, REGION, cells=128, triangles=10**6)
+    assert sum(asked) < 0.5 * 129**3
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_without_a_surface_it_says_so(sign: float) -> None:
+    with pytest.raises(InputError, match="no surface in the region"):
+        extract_surface(lambda places: sign * jnp.ones(len(places)), REGION, cells=16)
+
+
+def test_a_surface_that_the_border_cuts_is_refused() -> None:
+    with pytest.raises(InputError, match="border of the region cuts"):
+        extract_surface(ball(0.6, (0.6, 0.0, 0.0)), REGION, cells=32)
