@@ -25,7 +25,6 @@ How they are made a scene:
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -33,13 +32,13 @@ from pathlib import Path
 import numpy as np
 import trimesh
 from asking import tell
+from steel_rod import data_folder
 
 import thermo
 from thermo.discover import Verdict, discover
 from thermo.inverse import Meshing, Stepping
 from thermo.observe import Box, Heater, Recording, Run, StatedMaterial, write_scene
 
-ROOT = Path(__file__).resolve().parents[1]
 RECORDS = Path("measured/umd_capa_pmma")
 
 ABSORBED = 0.96
@@ -112,10 +111,9 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("outputs/capa_pmma"))
     parser.add_argument("--run", choices=[f"flux_{flux}" for flux in TESTS], help="that one alone")
     asked = parser.parse_args()
-    named = asked.data or os.environ.get("THERMOFIELD_DATA")
     try:
         runs = (asked.run,) if asked.run else None
-        verdict = run(Path(named) if named else ROOT / "data", asked.out, runs)
+        verdict = run(data_folder(asked.data), asked.out, runs)
     except (FileNotFoundError, thermo.InputError) as fault:
         sys.exit(f"capa_pmma: {fault}")
     tell(verdict, "PMMA slab", asked.out)

@@ -22,7 +22,6 @@ How they are made scenes:
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -30,6 +29,7 @@ from pathlib import Path
 import numpy as np
 import trimesh
 from asking import for_couples, tell
+from steel_rod import data_folder
 
 import thermo
 from thermo.discover import Verdict, discover
@@ -45,7 +45,6 @@ from thermo.observe import (
     write_scene,
 )
 
-ROOT = Path(__file__).resolve().parents[1]
 RECORDS = Path("measured/nist_gasification")
 
 FLUX = 50e3  # W/m2, on the middle
@@ -154,10 +153,9 @@ def main() -> None:
     parser.add_argument("data", nargs="?", help="folder that holds measured/nist_gasification")
     parser.add_argument("--out", type=Path, default=Path("outputs/nist_gasification"))
     asked = parser.parse_args()
-    named = asked.data or os.environ.get("THERMOFIELD_DATA")
     out = asked.out / asked.case
     try:
-        verdict = run(asked.case, Path(named) if named else ROOT / "data", out)
+        verdict = run(asked.case, data_folder(asked.data), out)
     except (FileNotFoundError, thermo.InputError) as fault:
         sys.exit(f"nist_gasification: {fault}")
     tell(verdict, asked.case, out)

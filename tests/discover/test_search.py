@@ -159,7 +159,7 @@ def test_the_search_leaves_what_could_not_reach_the_best(monkeypatch: pytest.Mon
     monkeypatch.setattr(module, "_put_to_work", put_to_work)
     monkeypatch.setattr(module, "_measured_anew", lambda _, made, __: made)
     table = ScoreTable(scores, [], 3.0, np.eye(3), np.zeros((VALUES, 3)))
-    # Of 80 squares the best leaves 2; a score of 6 might close all, one of 3.5 a fifth of it.
+    # Of 80 squares the best leaves 2; a score of 6 might close them all, one of 3.5 only 61.
     assert names(refits(begun, table, (), lambda _: None)) == fitted == ["best", "near"]
 
 
