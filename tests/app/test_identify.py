@@ -17,6 +17,12 @@ MESH = ("mesh=tet4", "mesh.max_nodes=1500", "integrator.tolerance=0.1")
 UNKNOWN = "unknown=[conductivity,volumetric_heat_capacity,convection]"
 
 
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the fit on bricks stays: no other file's tests may meet it."""
+    return tmp_path_factory.mktemp("bricks") / "fit"
+
+
 @pytest.fixture(autouse=True)
 def bricks(monkeypatch: pytest.MonkeyPatch) -> None:
     """What cells make wrong, and so every interval, is of one mesh on all machines."""
