@@ -45,8 +45,9 @@ def explained(photographs: Sequence[Photograph], region: Region) -> dict[int, fl
 def _room(carving: Carving, left_out: int, spared: int) -> Bool[np.ndarray, " voxels"]:
     """Voxels that at most `spared` photographs deny, one of them left out."""
     others = carving.denials() - carving.denied[left_out]
-    least = others.min()
-    return others <= max(least, 0) + spared if least <= len(carving.denied) else others < 0
+    least = int(others.min())
+    # What a third of the photographs deny everywhere is no room that the others agree on.
+    return others <= (least + spared if 3 * least <= len(carving.denied) else -1)
 
 
 def _met(photograph: Photograph, grid: Voxels, room: Bool[np.ndarray, " voxels"]) -> float:

@@ -54,7 +54,6 @@ class DistanceNetwork(eqx.Module):
     ) -> tuple[Float[Array, " points"], Float[Array, "points told"]]:
         """Distance [half an edge] and feature [1] at places [half an edge] of [-1, 1]^3."""
         encoded = self.encoding(places, open_levels)
-        # The tables begin at 1e-4 and end near one: as they are, they would say little for long.
         answer = self.layers(jnp.concatenate([places, encoded], axis=1))
         # The root is smooth at the middle as well.
         radius = jnp.sqrt(jnp.sum(places**2, axis=1) + 1e-6)

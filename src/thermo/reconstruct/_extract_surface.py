@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib.util import find_spec
 from typing import Final
 
 import jax.numpy as jnp
@@ -23,6 +24,9 @@ _REACH: Final = 2.0
 """How far from zero a coarse corner may be, in diagonals of its cell, for the cell to be looked at
 more closely [1]: where f is a distance one is enough; learned ones are off by less than half."""
 
+_HASTE: Final = (7, 5, 3, 1)
+"""How hastily triangles are joined, one try after the other; 7 is the library's own [1]."""
+
 Distance = Callable[[Float[Array, "points 3"]], Float[Array, " points"]]
 
 
@@ -33,16 +37,19 @@ def extract_surface(
 
     Marching cubes on `cells` [1] an edge of the region; distances are asked for near the zero set
     alone. Vertices are then moved to it by one step of Newton's method along grad f where that
-    lies within a cell, and the surface is brought down to `triangles` [1].
+    lies within a cell, and the surface is brought down to `triangles` [1], or left as it is where
+    that would not leave it closed and free of itself.
 
     Arguments: `distance`: f of places in halves of the region's edge [half an edge], negative
     inside. `region`: the cube [m].
 
-    Raises `InputError` where f has no zero set, and where the region's border cuts it.
+    Raises `InputError` where f has no zero set, where the region's border cuts it, and where the
+    packages of the extra `photographs` are missing.
 
     Source: paper, section 4.1 (checklist A6); Lorensen and Cline, SIGGRAPH 1987; Lewiner et al.,
     Journal of Graphics Tools 8 (2003) 1.
     """
+    require_extra()
     # An extra of the package: imported where it is used.
     from skimage.measure import marching_cubes
 
@@ -58,16 +65,46 @@ def extract_surface(
     whole = trimesh.Trimesh(unit, faces[:, ::-1], process=False)
     largest = max(whole.split(only_watertight=False), key=lambda part: part.area)
     vertices = _on_zero(distance, np.asarray(largest.vertices), 2.0 / cells)
-    found = trimesh.Trimesh(vertices, largest.faces, process=False)
-    if len(found.faces) > triangles:
-        found = found.simplify_quadric_decimation(face_count=triangles)
-    surface = Surface(
-        from_unit(region, np.asarray(found.vertices, float)), np.asarray(found.faces, np.int64)
-    )
+    return _brought_down(trimesh.Trimesh(vertices, largest.faces, process=False), region, triangles)
+
+
+def _brought_down(whole: trimesh.Trimesh, region: Region, triangles: int) -> Surface:
+    """The whole surface of few triangles [m], closed and free of itself.
+
+    Simplification by quadrics heeds neither: at a thin wall it may join what does not touch. A more
+    patient one seldom does.
+    """
+    if len(whole.faces) > triangles:
+        for haste in _HASTE:
+            fewer = whole.simplify_quadric_decimation(face_count=triangles, aggression=haste)
+            try:
+                if len(fewer.faces) <= triangles:
+                    return _checked(fewer, region)
+            except InputError:
+                continue
+    return _checked(whole, region)
+
+
+def _checked(found: trimesh.Trimesh, region: Region) -> Surface:
+    vertices = from_unit(region, np.asarray(found.vertices, float))
     return check_surface(
-        surface, where="reconstructed surface", largest=4.0 * region.half,
-        smallest=1e-3 * region.half,
+        Surface(vertices, np.asarray(found.faces, np.int64)), where="reconstructed surface",
+        largest=4.0 * region.half, smallest=1e-3 * region.half,
     )  # fmt: skip
+
+
+def require_extra() -> None:
+    """Refuse to begin without what the surface is made with in the end.
+
+    Raises `InputError`.
+    """
+    missing = [name for name in ("fast_simplification", "skimage") if find_spec(name) is None]
+    if missing:
+        raise InputError(
+            "surfaces from photographs need extra packages", where="reconstruction",
+            value=f"no {' and no '.join(missing)}", limit="the extra `photographs`",
+            remedy="pip install 'thermofield[photographs]'",
+        )  # fmt: skip
 
 
 def _near_values(distance: Distance, cells: int) -> Float[np.ndarray, "x y z"]:

@@ -75,6 +75,8 @@ def scale_from_distances(
     apart [m].
 
     Raises `InputError` for fewer than three pairs, and for distances that are none.
+
+    Source: as `scale_from_depths`; errors of pairs count as independent.
     """
     apart = np.linalg.norm(places[pairs[:, 0]] - places[pairs[:, 1]], axis=1)
     return _from_ratios(
@@ -97,6 +99,9 @@ def scale_from_depths(
       different groups are independent.
 
     Raises `InputError` where fewer than three groups have pixels.
+
+    Source: Tukey's location of the ratios (Beaton and Tukey, Technometrics 16 (1974) 147), with the
+    deviation of Liang and Zeger, Biometrika 73 (1986) 13, by groups.
     """
     with np.errstate(invalid="ignore"):
         known = np.isfinite(measured) & np.isfinite(rebuilt) & (measured > 0) & (rebuilt > 0)

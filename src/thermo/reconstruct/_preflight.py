@@ -73,7 +73,7 @@ def _unit(region: Region) -> Iterator[Finding]:
 
 def _looks(photographs: Sequence[Photograph], region: Region) -> Iterator[Finding]:
     """Cameras that see nothing of the region, and those that stand in it."""
-    corners = region.centre + region.half * np.array(list(np.ndindex(3, 3, 3)) - np.ones(3))
+    corners = region.centre + region.half * (np.indices((3, 3, 3)).reshape(3, -1).T - 1.0)
     away = []
     for one in photographs:
         camera = one.camera

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from thermo.mesh import Surface
 
-from ._extract_surface import extract_surface
+from ._extract_surface import extract_surface, require_extra
 from ._photograph import Photograph
 from ._region import Region
 from ._train import Trained, distance_of, train
@@ -40,6 +40,7 @@ def reconstruct(
 
     Source: paper, section 4.1 and appendix B.1 (checklist A1 to A6).
     """
+    require_extra()
     training = Training() if training is None else training
     trained = train(photographs, region, training, checkpoint=checkpoint, on_step=on_step)
     surface = extract_surface(

@@ -23,7 +23,8 @@ class Sampling(eqx.Module):
     """How many places a ray is looked at [1].
 
     - `search`: for the distance alone, to find where the surface is.
-    - `rounds`: how often that is repeated with the places that the round before tells.
+    - `rounds`: how often that is repeated with the places that the round before tells; with none
+      the places of the search are the sections' ends.
     - `sections`: for distance, gradient and colour.
     """
 

@@ -114,7 +114,7 @@ def _decibels(square: Float[np.ndarray, "*steps"]) -> Float[np.ndarray, "*steps"
     return -10.0 * np.log10(np.maximum(square, 1e-12))
 
 
-@eqx.filter_jit(donate="none")
+@eqx.filter_jit
 def _steps(
     state: State,
     pixels: Pixels,
