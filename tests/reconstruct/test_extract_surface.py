@@ -94,7 +94,7 @@ def rough(seed: int) -> Distance:
     return distance
 
 
-@pytest.mark.parametrize("seed", [0, 3])
+@pytest.mark.parametrize("seed", [0, 6])
 def test_thin_walls_stay_whole_when_they_are_brought_down(seed: int) -> None:
     whole = extract_surface(rough(seed), REGION, cells=128, triangles=10**6)
     # The library's own haste joins the sides of these walls, and the surface would be refused.

@@ -69,6 +69,18 @@ def test_a_pose_of_another_picture_is_named() -> None:
     assert [line.split(":")[0] for line in named] == ["view0.png"]
 
 
+def test_pictures_that_belong_to_no_pose_are_refused() -> None:
+    random = np.random.default_rng(0)
+    away = tuple(
+        dataclasses.replace(one, mask=np.roll(one.mask, random.integers(-6, 7, 2), axis=(0, 1)))
+        for one in photographs()
+        if one.mask is not None
+    )
+    found = preflight(away, Region(CENTRE, 1.2 * RADIUS))
+    assert found[0].fatal and found[0].where == "cameras"
+    assert "poses belong to these pictures" in found[0].remedy
+
+
 def test_other_axes_are_told_from_cameras_that_look_away() -> None:
     turned = tuple(
         dataclasses.replace(
