@@ -109,6 +109,15 @@ def test_without_its_packages_it_says_how_to_get_them(monkeypatch: pytest.Monkey
         extract_surface(ball(0.4), REGION, cells=16)
 
 
+def test_what_reaches_out_of_the_room_is_cut_off() -> None:
+    # Half a ball: below its middle nothing is the object.
+    room = REGION.centre + REGION.half * np.array([[-0.9, -0.9, 0.0], [0.9, 0.9, 0.9]])
+    region = Region(REGION.centre, REGION.half, room)
+    surface = extract_surface(ball(0.6, (0.0, 0.0, 0.0)), region, cells=64, triangles=10**6)
+    assert shape_of(surface)[1] == pytest.approx(2 / 3 * np.pi * 0.6**3, rel=0.01)
+    assert (surface.vertices >= room[0] - 1e-3 * REGION.half).all()
+
+
 def test_crumbs_are_left_out() -> None:
     def two(places: jax.Array) -> jax.Array:
         return jnp.minimum(ball(0.4)(places), ball(0.1, (0.7, 0.7, 0.7))(places))

@@ -56,6 +56,20 @@ def test_specks_are_left_out_and_pinholes_closed_but_openings_stay() -> None:
     assert found.mask[30, 33 + 12] == 1.0
 
 
+def test_shadows_are_bridged_up_to_twice_the_reach_and_outlines_stay() -> None:
+    values = np.where(DISC, 0.8, 0.0)
+    values[28:32] = 0.0  # a shadow right across, 4 pixels wide
+    (apart,) = masked_by_threshold([pictured(values)], 0.4)
+    (whole,) = masked_by_threshold([pictured(values)], 0.4, bridged=3)
+    assert overlap(apart) < 0.6 and overlap(whole) > 0.97
+    (wide,) = masked_by_threshold(
+        [pictured(np.where(abs(ROWS - 30) < 5, 0.0, values))], 0.4, bridged=3
+    )
+    assert overlap(wide) < 0.6, "nine pixels are more than twice three"
+    with pytest.raises(InputError, match="gaps to close"):
+        masked_by_threshold([pictured(values)], 0.4, bridged=-1)
+
+
 @pytest.mark.parametrize("values", [np.zeros((SIZE, SIZE)), np.where(DISC, 0.1, 0.9)])
 def test_without_a_dark_ground_it_says_so(values: np.ndarray) -> None:
     with pytest.raises(InputError, match="no dark ground") as caught:

@@ -27,6 +27,7 @@ def test_a_stated_box_decides_and_gets_its_margin() -> None:
     region = region_of(photographs(), [[0.0, -1.0, 2.0], [1.0, 1.0, 3.0]])
     assert region.centre == pytest.approx([0.5, 0.0, 2.5])
     assert region.half == pytest.approx(1.0 + MARGIN)
+    assert region.room == pytest.approx(np.array([[0.0, -1.0, 2.0], [1.0, 1.0, 3.0]]))
 
 
 def test_masks_leave_a_cube_that_holds_the_ball_and_little_more() -> None:
@@ -34,6 +35,8 @@ def test_masks_leave_a_cube_that_holds_the_ball_and_little_more() -> None:
     assert (np.abs(CENTRE - region.centre) + RADIUS < region.half).all()
     # Masks of 19 pixels across, with one of slack, and half a voxel.
     assert region.half < 1.35 * RADIUS
+    assert region.room is not None
+    assert (region.room[0] < CENTRE - RADIUS).all() and (region.room[1] > CENTRE + RADIUS).all()
 
 
 def test_without_masks_the_cameras_say_where_to_look() -> None:
@@ -41,6 +44,7 @@ def test_without_masks_the_cameras_say_where_to_look() -> None:
     # They all look at the ball's middle, 0.2 m away, with half a picture of 1 / 4.4.
     assert region.centre == pytest.approx(CENTRE, abs=1e-6)
     assert region.half == pytest.approx((1.0 + MARGIN) * 0.2 / 4.4, rel=1e-6)
+    assert region.room is None, "a guess cuts nothing off"
 
 
 def test_one_camera_that_stands_wrong_does_not_move_the_place() -> None:

@@ -14,7 +14,7 @@ from jaxtyping import Array, Float
 from thermo.errors import InputError
 from thermo.mesh import Surface, check_surface
 
-from ._region import Region, from_unit
+from ._region import Region, from_unit, to_unit
 
 _CHUNK: Final = 1 << 17
 """Places whose distance is asked for at a time [1]."""
@@ -41,7 +41,8 @@ def extract_surface(
     that would not leave it closed and free of itself.
 
     Arguments: `distance`: f of places in halves of the region's edge [half an edge], negative
-    inside. `region`: the cube [m].
+    inside. `region`: the cube [m]; where no photograph looks, such as below an object, f is
+    anything, and the region's room is where the object ends.
 
     Raises `InputError` where f has no zero set, where the region's border cuts it, and where the
     packages of the extra `photographs` are missing.
@@ -54,6 +55,7 @@ def extract_surface(
     from skimage.measure import marching_cubes
 
     cells = _COARSE * max(2, round(cells / _COARSE))
+    distance = _within_room(distance, region)
     values = _near_values(distance, cells)
     _require_surface(values)
     # A corner that lies on the surface would make triangles without area, and of them holes.
@@ -87,10 +89,26 @@ def _brought_down(whole: trimesh.Trimesh, region: Region, triangles: int) -> Sur
 
 def _checked(found: trimesh.Trimesh, region: Region) -> Surface:
     vertices = from_unit(region, np.asarray(found.vertices, float))
+    if region.room is not None:
+        # Simplified edges of what the room cuts off stand out of it by rounding and little more.
+        vertices = np.clip(vertices, region.room[0], region.room[1])
     return check_surface(
         Surface(vertices, np.asarray(found.faces, np.int64)), where="reconstructed surface",
         largest=4.0 * region.half, smallest=1e-3 * region.half,
     )  # fmt: skip
+
+
+def _within_room(distance: Distance, region: Region) -> Distance:
+    """f, or how far a place is out of the region's room where that is more."""
+    if region.room is None:
+        return distance
+    low, high = to_unit(region, region.room)
+    middle, half = jnp.asarray(0.5 * (low + high)), jnp.asarray(0.5 * (high - low))
+
+    def bounded(places: Float[Array, "points 3"]) -> Float[Array, " points"]:
+        return jnp.maximum(distance(places), jnp.max(jnp.abs(places - middle) - half, axis=1))
+
+    return bounded
 
 
 def require_extra() -> None:

@@ -30,10 +30,13 @@ class Region(eqx.Module):
     """A cube along the world's axes; in its own unit it is [-1, 1]^3.
 
     - `centre`: (3,) [m]. `half`: of its edge [m].
+    - `room`: lowest and highest corner of what the object cannot reach out of, (2, 3) [m]; None
+      where nobody knows.
     """
 
     centre: Float[np.ndarray, "3"]
     half: float
+    room: Float[np.ndarray, "2 3"] | None = None
 
 
 def to_unit(region: Region, points: Float[np.ndarray, "points 3"]) -> Float[np.ndarray, "points 3"]:
@@ -51,10 +54,11 @@ def from_unit(
 def region_of(photographs: Sequence[Photograph], box: object = None) -> Region:
     """Where to look for the object.
 
-    A stated box decides. Without one, photographs with masks leave room for the object in no more
-    than their visual hull, and the cube is that of the hull's box. Where masks leave no room, or
-    there are none, the cube is a guess: about the place that the cameras look at, as large as most
-    of them have it in their pictures. All cubes are larger by a tenth.
+    A stated box decides, and nothing beyond it is taken for the object. Without one, photographs
+    with masks leave room for the object in no more than their visual hull, and the cube is that of
+    the hull's box. Where masks leave no room, or there are none, the cube is a guess: about the
+    place that the cameras look at, as large as most of them have it in their pictures. All cubes
+    are larger by a tenth.
 
     Arguments:
 
@@ -67,8 +71,7 @@ def region_of(photographs: Sequence[Photograph], box: object = None) -> Region:
     Source: Laurentini, IEEE Trans. Pattern Analysis and Machine Intelligence 16 (1994) 150.
     """
     if box is not None:
-        low, high = _checked(box)
-        return _about(low, high)
+        return _about(_checked(box), told=True)
     cones = cones_of(photographs)
     if len(cones) > 1:
         centre, half = meeting([sight_of_object(one) for one in cones])
@@ -76,11 +79,14 @@ def region_of(photographs: Sequence[Photograph], box: object = None) -> Region:
     else:
         centre, half = meeting([sight_of_picture(one) for one in photographs])
         bounds = None
-    return _about(*(bounds or (centre - half, centre + half)))
+    if bounds is None:
+        return _about(np.stack([centre - half, centre + half]), told=False)
+    return _about(np.stack(bounds), told=True)
 
 
-def _about(low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"]) -> Region:
-    return Region(0.5 * (low + high), 0.5 * (1.0 + MARGIN) * float((high - low).max()))
+def _about(box: Float[np.ndarray, "2 3"], *, told: bool) -> Region:
+    half = 0.5 * (1.0 + MARGIN) * float((box[1] - box[0]).max())
+    return Region(box.mean(axis=0), half, box if told else None)
 
 
 def _hull_box(
@@ -111,7 +117,7 @@ def _left(carving: Carving) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "
     return middles.min(axis=0) - half, middles.max(axis=0) + half
 
 
-def _checked(box: object) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
+def _checked(box: object) -> Float[np.ndarray, "2 3"]:
     corners = real_array(box, where="box", quantity="corners of the box [m]")
     if corners.shape != (2, 3) or not (corners[0] < corners[1]).all() or np.isinf(corners).any():
         raise InputError(
@@ -119,4 +125,4 @@ def _checked(box: object) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"
             limit="two corners [m] of three finite numbers, each of the first below the second's",
             remedy="give [[x_min, y_min, z_min], [x_max, y_max, z_max]] in metres",
         )  # fmt: skip
-    return corners[0], corners[1]
+    return corners
