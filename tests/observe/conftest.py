@@ -64,6 +64,7 @@ def table() -> dict[str, Any]:
         "object": "tetrahedron",
         "surface": "surface.off",
         "unit": "m",
+        "scale_deviation": 0.01,
         "material": {
             "name": "ABS",
             "density": 1030,

@@ -91,7 +91,7 @@ def drawn_scene(draw: st.DrawFn, folder: Path) -> Scene:
     return Scene(
         folder, draw(st.text(min_size=1).filter(str.strip)), surface,
         draw(st.sampled_from(["m", "cm", "mm", "inch"])), material, draw(st.floats(0, 1e4)),
-        draw(st.floats(0, 1)), unknown, draw(priors), found,
+        draw(st.floats(0, 1)), unknown, draw(priors), found, draw(st.floats(0, 0.5)),
     )  # fmt: skip
 
 
@@ -133,6 +133,7 @@ def test_written_scene_reads_back_bit_for_bit(data: st.DataObject) -> None:
 
 def test_every_documented_key_is_read(folder: Path) -> None:
     scene = read_scene(folder)
+    assert scene.scale_deviation == 0.01
     assert (scene.object, scene.unit, scene.folder) == ("tetrahedron", "m", folder)
     assert scene.surface_path == folder / "surface.off"
     assert scene.material == StatedMaterial("ABS", 1030.0, 1440.0, None)
@@ -163,7 +164,7 @@ def test_every_documented_key_is_read(folder: Path) -> None:
 
 
 def test_optional_keys_have_defaults(folder: Path, stated: dict) -> None:
-    for key in ("object", "unit", "unknown", "prior", "truth", "description"):
+    for key in ("object", "unit", "scale_deviation", "unknown", "prior", "truth", "description"):
         del stated[key]
     stated["material"] = {"density": 1.0, "heat_capacity": 1.0, "conductivity": 1.0}
     for key in ("heater", "held_out", "prescribed", "insulated", "notes"):
@@ -171,6 +172,7 @@ def test_optional_keys_have_defaults(folder: Path, stated: dict) -> None:
     (folder / "scene.json").write_text(json.dumps(stated))
     scene = read_scene(folder / "scene.json")
     assert (scene.object, scene.unit, scene.unknown, scene.prior) == (folder.name, "m", (), {})
+    assert scene.scale_deviation == 0.0
     lamp = scene.runs["lamp"]
     assert (lamp.heater, lamp.held_out, lamp.prescribed, lamp.insulated) == (None, False, (), ())
 

@@ -146,7 +146,7 @@ def _others(
     values = {name: value for name, value in zip(at.names, at.values, strict=True)}
     there = {name: value for name, value in values.items() if name in QUANTITIES}
     more = {**asked, "runs": tuple(candidates), "initial": {**asked["initial"], **there}}
-    found = _slopes(replace(scene, runs=candidates), more, scales, choice)
+    found = _slopes(replace(scene, runs=candidates, scale_deviation=0.0), more, scales, choice)
     return {
         name: replace(
             found,

@@ -54,7 +54,8 @@ def findings(
     """A verdict on each unknown.
 
     Where `at` holds what cells and steps still make wrong, the move that it causes in a fit that
-    does not know of it, b = C J'C^-1 d for each run, counts as an error of its own: C + b b'.
+    does not know of it, b = C J'C^-1 d for each run, counts as an error of its own: C + b b'. So
+    does what one standard deviation of the surface's scale moves, where it is not exact.
 
     Arguments:
 
@@ -85,7 +86,7 @@ def check_wanted(wanted: float) -> None:
 def _finding(
     at: Sensitivity,
     found: Spectrum,
-    moved: Float[np.ndarray, "unknowns runs"],
+    moved: Float[np.ndarray, "unknowns causes"],
     name: str,
     wanted: float,
 ) -> Finding:

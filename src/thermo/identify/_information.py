@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from jaxtyping import Float
 
@@ -48,18 +50,28 @@ def _share(at: Sensitivity, run: str, model_error: float) -> float:
     return stays / (at.noise[run] ** 2 + len(at.slopes[run]) * stays)
 
 
-def pulls(at: Sensitivity, model_error: float) -> Float[np.ndarray, "unknowns runs"]:
-    """J' C^-1 d of each run that has a defect d, C as in `information` [1].
+def pulls(at: Sensitivity, model_error: float) -> Float[np.ndarray, "unknowns causes"]:
+    """J' C^-1 d of each run that has a defect d, and of one deviation of the scale [1].
 
-    Arguments as there; times the covariance of log(phi) it is what the defect moves them by.
+    C as in `information`, and arguments as there; times the covariance of log(phi) it is what the
+    defect or the scale moves them by. The scale is that of all runs at once.
     """
+    columns = _pulled(at, at.defect, model_error)
+    if at.scale:
+        columns += [at.scale_deviation * np.sum(_pulled(at, at.scale, model_error), axis=0)]
+    return np.reshape(columns, (len(columns), len(at.names))).T
+
+
+def _pulled(
+    at: Sensitivity, causes: Mapping[str, Float[np.ndarray, "frames samples"]], model_error: float
+) -> list[Float[np.ndarray, " unknowns"]]:
     columns = []
-    for run, apart in at.defect.items():
+    for run, apart in causes.items():
         slopes = at.slopes[run]
         along = np.einsum("tsi,ts->i", slopes, apart)
         staying = slopes.sum(0).T @ apart.sum(0)
         columns.append((along - _share(at, run, model_error) * staying) / at.noise[run] ** 2)
-    return np.reshape(columns, (len(columns), len(at.names))).T
+    return columns
 
 
 def bounds_of(name: str) -> tuple[float, float]:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import final
+from typing import Final, final
 
 import numpy as np
 from jaxtyping import Float
 
 from thermo.errors import InputError
-from thermo.identify._information import information, numbered
+from thermo.identify._information import information, numbered, pulls
 from thermo.identify._spectrum import spectrum
 from thermo.inverse import Sensitivity
+
+SCALE: Final = "the surface's scale"
+"""What shifts call the scale of the surface."""
 
 
 @final
@@ -43,7 +46,8 @@ def shifts(
     """How far each stated value that is in doubt moves each unknown, the largest first.
 
     With J the slopes of the unknowns, g that of the stated value, both whitened, and Q the prior
-    covariance of the unknowns, b = -(J'J + Q^-1)^-1 J'g doubt, to first order.
+    covariance of the unknowns, b = -(J'J + Q^-1)^-1 J'g doubt, to first order. The scale of the
+    surface is in doubt by its own deviation, where `at` holds one.
 
     Arguments:
 
@@ -70,11 +74,15 @@ def shifts(
     covariance, deviation = found.covariance(), found.deviation()
     square, names = information(at, model_error), numbered(at.names)
     every = []
-    for held, size in doubt.items():
-        pull = square[kept, at.names.index(held)]
-        moved: Float[np.ndarray, " unknowns"] = -covariance @ pull * size
+    pulled = {held: square[kept, at.names.index(held)] * size for held, size in doubt.items()}
+    sizes = dict(doubt)
+    if at.scale:
+        alone = replace(unknowns_of(at, doubt), defect={})
+        pulled[SCALE], sizes[SCALE] = pulls(alone, model_error)[:, 0], at.scale_deviation
+    for held, pull in pulled.items():
+        moved: Float[np.ndarray, " unknowns"] = -covariance @ pull
         every += [
-            Shift(names[place], held, size, float(move), float(move / sd))
+            Shift(names[place], held, sizes[held], float(move), float(move / sd))
             for place, move, sd in zip(kept, moved, deviation, strict=True)
         ]
     return sorted(every, key=lambda one: -abs(one.deviations))

@@ -59,6 +59,7 @@ from thermo.inverse._posterior import CONTROLS, posterior
 from thermo.inverse._predict import PREDICTION_NODES, predict, simulate
 from thermo.inverse._reading_errors import whiten
 from thermo.inverse._scale import SCALES, Scale
+from thermo.inverse._scale_effect import ScaleEffect
 from thermo.inverse._sensitivity import Sensitivity, sensitivity, unfitted
 from thermo.inverse._side_by_side import at_once
 from thermo.inverse._smoothing import ALL_BUT_UNIFORM
@@ -107,6 +108,7 @@ __all__ = [
     "RecoveredField",
     "RunFit",
     "Scale",
+    "ScaleEffect",
     "Scores",
     "Sensitivity",
     "Smoothness",

@@ -15,6 +15,7 @@ from jaxtyping import Float
 from thermo.errors import InputError
 from thermo.fields import QUANTITIES, AbstractField, Boundary, TwoMaterialField
 from thermo.inverse._properties import Stated
+from thermo.inverse._scale_effect import ScaleEffect
 from thermo.mesh import Mesh, face_areas, mesh_from_cells
 from thermo.observe import replacing
 
@@ -96,6 +97,8 @@ class Estimate:
     - `smoothness`: by field, standard deviation of log(phi) between neighbouring controls [1];
       empty where there are no neighbours.
     - `remarks`: sentences on what a reader of the result should know.
+    - `scale`: what a surface whose scale is known roughly does to the values; None where the scale
+      is exact, or the parameters too many to tell.
     """
 
     mesh: Mesh
@@ -109,6 +112,7 @@ class Estimate:
     resolution: str
     smoothness: dict[str, float]
     remarks: tuple[str, ...] = ()
+    scale: ScaleEffect | None = None
 
 
 def weighted_quantile(

@@ -42,7 +42,7 @@ class FieldPosterior:
     """What data and prior say of log(phi) at the controls of fields, near an estimate.
 
     A sum of normal distributions, one for each smoothness that the data allow, and on top of it
-    what the errors of cells and steps may move.
+    what the errors of cells and steps, and of the surface's scale, may move.
 
     - `mesh`: linear mesh [m], `order` of its cells in the fit [1]; `stated`: the rest of the body's
       properties [SI].
@@ -50,7 +50,8 @@ class FieldPosterior:
       by quantity, (controls, 3) [m].
     - `mixture`: the distributions, over the controls of all fields in their order.
     - `shift`: by how much the rest of what cells and steps make wrong moves log(phi), for each
-      run, (unknowns, runs) [1].
+      run, and last one deviation of the surface's scale, where it is not exact,
+      (unknowns, causes) [1].
 
     Source: D. J. C. MacKay, Neural Computation 4 (1992) 415; the mean over hyperparameters,
     Kaipio and Somersalo, Statistical and Computational Inverse Problems (2005), section 3.
@@ -62,7 +63,7 @@ class FieldPosterior:
     fields: Mapping[str, DepartingField]
     points: dict[str, Float[np.ndarray, "controls 3"]]
     mixture: list[Smoothness]
-    shift: Float[np.ndarray, "unknowns runs"]
+    shift: Float[np.ndarray, "unknowns causes"]
 
     def part(self, name: str) -> slice:
         """Where the controls of a quantity are among those of all [1]."""

@@ -21,9 +21,11 @@ from thermo.inverse._objective import with_fields
 from thermo.inverse._optimiser import AbstractOptimiser
 from thermo.inverse._properties import diffusivity_quantile
 from thermo.inverse._run_fit import run_fits
+from thermo.inverse._scale_effect import scale_remarks
 from thermo.inverse._smoothing import ALL_BUT_UNIFORM
 from thermo.inverse._stages import data_choose, make_stage, stage_orders
 from thermo.inverse._stepping import Stepping
+from thermo.inverse._surface_scale import scale_effect
 from thermo.inverse._task import Prior, Task, prepare, what_is_asked
 from thermo.mesh import resolution
 from thermo.observe import Scene
@@ -50,7 +52,8 @@ def invert(
     """Recover fields of an object from recordings of its surface temperature.
 
     Minimises 1/2 |L^-1 (T_sim - T_meas)|^2 over all runs, L L' the covariance of the readings'
-    errors, plus priors, over fields that all runs share.
+    errors, plus priors, over fields that all runs share. Where the scene states how well the scale
+    of its surface is known (`scale_deviation`), the result says what that leaves open.
 
     Arguments:
 
@@ -110,6 +113,7 @@ def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: flo
     priors = fit.objective.priors
     smoothness = {name: float(p.step) for name, p in priors.items() if len(p.pairs)}
     met = run_fits(fit, task.runs, ready.grids)
+    scale = scale_effect(task, ready, fit)
     return Estimate(
         mesh=ready.mesh,
         order=orders[-1],
@@ -126,7 +130,9 @@ def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: flo
             *(_chosen(smoothness) if data_choose(task, ready) else ()),
             *_taken_off(met),
             *_unexplained(task, met),
+            *scale_remarks(scale),
         ),
+        scale=scale,
     )
 
 

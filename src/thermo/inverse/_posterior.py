@@ -21,7 +21,8 @@ from thermo.inverse._sensitivity import unfitted
 from thermo.inverse._smoothing import Nearby, linearised
 from thermo.inverse._stages import coarse_tangents, make_objective
 from thermo.inverse._stepping import Stepping
-from thermo.inverse._task import Prior, lay_out
+from thermo.inverse._surface_scale import scale_slopes
+from thermo.inverse._task import Prior, Ready, Task, lay_out
 from thermo.inverse._transfer import check_same_object
 from thermo.mesh import Mesh
 from thermo.observe import Scene
@@ -49,7 +50,7 @@ def posterior(
     simulation is taken as linear in log(phi). The weights of the runs are found as in a fit, and so
     is the probability of each smoothness, over all of which the result is summed: a smoothness
     that the data do not fix does not make a band narrow. A third of what `meshing.corrected` takes
-    off counts as unknown.
+    off counts as unknown, and so does what the scale of the surface leaves open.
 
     Arguments:
 
@@ -85,8 +86,9 @@ def posterior(
     if task.meshing.corrected:
         objective = with_defects(objective, defects(task, ready, objective))
     near = linearised(objective, [run.recording.points for run in task.runs])
+    pulls = _all_pulls(task, ready, objective, near.slopes)
     return FieldPosterior(
-        mesh, order, stated, fields, points, *_in_logarithms(objective, near, prior)
+        mesh, order, stated, fields, points, *_in_logarithms(objective, near, prior, pulls)
     )
 
 
@@ -100,14 +102,16 @@ def _parts(
 
 
 def _in_logarithms(
-    objective: Objective, near: Nearby, prior: Prior | None
-) -> tuple[list[Smoothness], Float[np.ndarray, "unknowns runs"]]:
-    """The distributions of log(phi) at the controls, and what errors of cells and steps move."""
+    objective: Objective,
+    near: Nearby,
+    prior: Prior | None,
+    pulls: Float[np.ndarray, "unknowns causes"],
+) -> tuple[list[Smoothness], Float[np.ndarray, "unknowns causes"]]:
+    """The distributions of log(phi) at the controls, and what each cause that pulls moves."""
     fit, before = _with_even_spread(objective, near)
     step = None if prior is None else prior.step
     tried = likely_steps(fit) if step is None else [(dict.fromkeys(fit.rough, step), 1.0)]
-    mixture, shift = [], np.zeros((len(near.beliefs), len(objective.sequence)))
-    pulls = _pulls(objective, near.slopes)
+    mixture, shift = [], np.zeros_like(pulls)
     for steps, weight in tried:
         move, curvature = fit.solve(steps)
         covariance = np.linalg.inv(curvature)
@@ -136,6 +140,17 @@ def _with_even_spread(
             beliefs += np.outer(row, row) / spread**2
     wide = replace(near.fit, information=near.fit.information + beliefs)
     return wide, near.beliefs + beliefs
+
+
+def _all_pulls(
+    task: Task, ready: Ready, objective: Objective, slopes: Float[np.ndarray, "values unknowns"]
+) -> Float[np.ndarray, "unknowns causes"]:
+    """What `_pulls` says, and of one deviation of the surface's scale where it is not exact [1]."""
+    pulls, deviation = _pulls(objective, slopes), task.scene.scale_deviation
+    if deviation == 0.0:
+        return pulls
+    along = scale_slopes(task, ready, objective)[: len(slopes)]
+    return np.column_stack([pulls, deviation * slopes.T @ along])
 
 
 def _pulls(

@@ -28,6 +28,7 @@ from thermo.inverse._objective import (
 from thermo.inverse._scale import SCALES, scaled_slopes
 from thermo.inverse._stages import make_objective
 from thermo.inverse._stepping import Stepping
+from thermo.inverse._surface_scale import scale_slopes
 from thermo.inverse._task import Prior, Task, prepare, what_is_asked
 from thermo.observe import Scene, estimate_noise
 
@@ -45,6 +46,8 @@ class Sensitivity:
     - `values`: of the unknowns, where the slopes were taken, (unknowns,) [SI].
     - `defect`: by run, what cells and steps still make wrong in all readings at once, its size
       known and not its sign, (frames, samples) [K]; empty where that was not measured.
+    - `scale`: by run, dT / d log(scale of the surface), (frames, samples) [K], and
+      `scale_deviation`: its standard deviation [1]; empty and 0 where the scale is exact.
     """
 
     names: tuple[str, ...]
@@ -54,6 +57,8 @@ class Sensitivity:
     staying: dict[str, float] = field(default_factory=dict)
     values: tuple[float, ...] = ()
     defect: dict[str, Float[np.ndarray, "frames samples"]] = field(default_factory=dict)
+    scale: dict[str, Float[np.ndarray, "frames samples"]] = field(default_factory=dict)
+    scale_deviation: float = 0.0
 
 
 def sensitivity(
@@ -81,14 +86,18 @@ def sensitivity(
         data, runs, unknown, choice or Uniform(), Prior(), stepping, meshing, initial,
         seed=seed, model_error=0.0,
     )  # fmt: skip
-    objective = make_objective(task, prepare(task), task.meshing.order)
+    ready = prepare(task)
+    objective = make_objective(task, ready, task.meshing.order)
     objective = replace(objective, cases=tuple(in_kelvin(case) for case in objective.cases))
     here = start(objective)
     # Asked first: the Jacobian by the many weights of a network would take for ever.
     change = logarithm_slopes(objective, here, type(task.choice).__name__)
     matrix = np.array(scaled_slopes(objective, scales))
     matrix[:, : len(change)] = matrix[:, : len(change)] @ np.linalg.inv(change)
-    return _by_run(objective, matrix, task, scales)
+    found = _by_run(objective, matrix, task, scales)
+    if task.scene.scale_deviation == 0.0:
+        return found
+    return _with_scale(found, objective, scale_slopes(task, ready, objective), task)
 
 
 def _check_scales(scales: tuple[str, ...]) -> None:
@@ -166,3 +175,13 @@ def _by_run(
         staying=staying,
         values=(*(float(one) for each in values.values() for one in each), *(1.0 for _ in scales)),
     )
+
+
+def _with_scale(
+    found: Sensitivity, objective: Objective, slopes: Float[np.ndarray, " all"], task: Task
+) -> Sensitivity:
+    scale = {}
+    for number, part, weight in run_parts(objective):
+        run = task.runs[number]
+        scale[run.name] = slopes[part].reshape(weight.shape)[:, : len(run.recording.points)]
+    return replace(found, scale=scale, scale_deviation=task.scene.scale_deviation)

@@ -151,7 +151,7 @@ def make_objective(task: Task, ready: Ready, order: int) -> Objective:
     """The objective on cells of an order [1], with coarse tangents where they are wanted."""
     wanted = task.meshing.coarse_tangents
     coarse = _unknowns(ready) > FEW_UNKNOWNS if wanted is None else wanted
-    plain = _plain(task, ready, order, ready.steps, task.stepping.rtol)
+    plain = plain_objective(task, ready, order, ready.steps, task.stepping.rtol)
     if not (coarse and isinstance(task.optimiser, LevenbergMarquardt)):
         return plain
     return replace(plain, tangents=coarse_tangents(task, ready), settled=SETTLED_COARSE)
@@ -163,12 +163,13 @@ def coarse_tangents(task: Task, ready: Ready) -> Objective:
         run.name: planned_steps(ready.mesh, ready.stated, run, task.stepping, coarser=COARSER)
         for run in task.runs
     }
-    return _plain(task, ready, 1, steps, max(task.stepping.rtol, TANGENT_RTOL))
+    return plain_objective(task, ready, 1, steps, max(task.stepping.rtol, TANGENT_RTOL))
 
 
-def _plain(
+def plain_objective(
     task: Task, ready: Ready, order: int, steps: dict[str, TimeGrid | None], rtol: float
 ) -> Objective:
+    """The objective on cells of an order, with the `rtol` of its solver [1] and no tangents."""
     space = discretise(of_order(ready.mesh, order))
     cases = [
         make_case(

@@ -34,6 +34,9 @@ UNITS: Final = ("m", "cm", "mm", "inch")
 _OFF: Final = 20.0
 """A sample that is further off all the time measures nothing [K]."""
 
+_ROUGHEST: Final = 0.5
+"""Relative deviation of a scale [1] beyond which its effect is no longer linear at all."""
+
 _RUN_NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
 
 
@@ -152,6 +155,8 @@ class Scene:
     - `unknown`: names from `QUANTITIES` that a fit recovers by default.
     - `prior`: relative standard deviation (1) of stated values that are only roughly known.
     - `runs`: by name.
+    - `scale_deviation`: standard deviation of the surface's scale over the scale (1), where it was
+      rebuilt from photographs, say; 0 where it is exact.
     - `where`: what messages call this scene.
 
     Raises `InputError` for a missing surface file, values out of range, unknown names, and a
@@ -168,6 +173,7 @@ class Scene:
     unknown: tuple[str, ...]
     prior: dict[str, float]
     runs: dict[str, Run] = field(default_factory=dict)
+    scale_deviation: float = 0.0
     where: InitVar[str] = "scene"
 
     def __post_init__(self, where: str) -> None:
@@ -184,6 +190,12 @@ class Scene:
         convection, emissivity = _exchange(self.convection, self.emissivity, where)
         object.__setattr__(self, "convection", convection)
         object.__setattr__(self, "emissivity", emissivity)
+        scale = check_number(
+            self.scale_deviation, where=f"{where}: scale_deviation",
+            quantity="relative standard deviation of the scale", least=0.0, most=_ROUGHEST,
+            remedy="give it as a fraction, 0.01 for 1 %; 0 or no such key for an exact surface",
+        )  # fmt: skip
+        object.__setattr__(self, "scale_deviation", scale)
         if not self.runs:
             raise InputError(
                 "no runs", where=f"{where}: runs", value="an empty table",

@@ -22,7 +22,9 @@ FORMAT: Final = "thermofield-scene/1"
 PRIOR_ENDING: Final = "_relative_sd"
 
 _REQUIRED = ("format", "surface", "material", "surface_exchange", "runs")
-_OPTIONAL = ("object", "unit", "unknown", "prior", "truth", "description", "notes")
+_OPTIONAL = (
+    "object", "unit", "scale_deviation", "unknown", "prior", "truth", "description", "notes",
+)  # fmt: skip
 _RUN_REQUIRED = (
     "recording", "initial_temperature", "ambient_temperature", "radiation_temperature",
 )  # fmt: skip
@@ -40,6 +42,7 @@ def read_scene(folder: Path | str) -> Scene:
     - `format`: `thermofield-scene/1`. `object`*: its name. `description`*, `notes`*: ignored.
     - `surface`: file of the closed triangle surface. `unit`*: m (default), cm, mm or inch, the
         unit of that file alone.
+    - `scale_deviation`*: standard deviation of the surface's scale over the scale (1).
     - `material`: `name`*, `density` [kg/m3], `heat_capacity` [J/kg/K], `conductivity` [W/m/K];
         the last may be null where it is to be found.
     - `surface_exchange`: `convection` [W/m2/K], `emissivity` (1); null where to be found.
@@ -82,6 +85,7 @@ def read_scene(folder: Path | str) -> Scene:
         unknown=_unknown(root),
         prior=_prior(root.section("prior")),
         runs=_runs(root.section("runs")),
+        scale_deviation=root.number_or_null("scale_deviation") or 0.0,
         where=str(file),
     )
 

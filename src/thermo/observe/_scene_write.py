@@ -79,6 +79,8 @@ def _write_files(stage: Path, scene: Scene) -> None:
         "prior": {name + PRIOR_ENDING: value for name, value in scene.prior.items()},
         "runs": {name: _write_run(stage, name, run) for name, run in scene.runs.items()},
     }
+    if scene.scale_deviation:
+        table["scale_deviation"] = scene.scale_deviation
     text = json.dumps(table, indent=1, default=float) + "\n"
     (stage / "scene.json").write_text(text, encoding="utf-8")
 

@@ -42,6 +42,7 @@ def inversion_record(
             "loss": estimate.history,
             "iterations": [len(stage) for stage in estimate.history],
         },
+        **_scale(estimate),
         "mesh": {
             "nodes": len(estimate.mesh.nodes),
             "cells": len(estimate.mesh.cells),
@@ -53,6 +54,22 @@ def inversion_record(
         "seconds": estimate.seconds,
         "versions": versions(),
         "configuration": configuration,
+    }
+
+
+def _scale(estimate: Estimate) -> dict[str, Any]:
+    """What the scale of the surface does to the values [1]; nothing where it is exact."""
+    effect = estimate.scale
+    if effect is None:
+        return {}
+    return {
+        "scale": {
+            "relative_deviation": effect.deviation,
+            "relative_change_per_scale": effect.change,
+            "deviation_without": effect.without,
+            "deviation_with": {name: effect.total(name) for name in effect.change},
+            "share_of_variance": {name: effect.share(name) for name in effect.change},
+        }
     }
 
 
