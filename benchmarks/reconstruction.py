@@ -7,9 +7,9 @@ Bunny, bear and bracket are photographed by `photographed.py` and rebuilt from 3
 true surface over the diagonal of its box, the volume over the true one, and the PSNR of four views
 that were left out.
 
-Dino and temple are real, 16 photographs each (Seitz et al., CVPR 2006); masks come from a
-threshold whose gaps are closed, and the region to look in from the published box. Their true
-surfaces are not public.
+Dino and temple are real, 16 photographs each (Seitz et al., CVPR 2006); masks come from the
+threshold that is found, with gaps closed, and the region to look in from the published box. Their
+true surfaces are not public.
 `results/reconstruction_silhouettes.csv` holds the overlap of the surface's silhouette with each
 mask, whether the surface is closed, and how far it reaches beyond the published box.
 
@@ -51,12 +51,11 @@ from thermo.reconstruct import (
     read_photographs,
     reconstruct,
     region_of,
+    threshold_of,
 )
 
 RESULTS: Final = Path(__file__).parent / "results"
 REAL: Final = {"dino": "middlebury_dinoSparseRing", "temple": "middlebury_templeSparseRing"}
-THRESHOLD: Final = 0.19
-"""Brighter than this is the object [1], as the data's authors state for the dino."""
 BRIDGED: Final = 10
 """By how much masks are grown and then shrunk [px], to close shadows: their authors grow by it."""
 
@@ -122,7 +121,8 @@ def real(name: str, data: Path) -> list[dict[str, Any]]:
 def real_photographs(name: str, folder: Path) -> tuple[Photograph, ...]:
     """Photographs of `dino` or `temple`, with masks."""
     views = read_cameras(next(folder.glob("*_par.txt")))
-    return masked_by_threshold(read_photographs(views, folder), THRESHOLD, bridged=BRIDGED)
+    plain = read_photographs(views, folder)
+    return masked_by_threshold(plain, threshold_of(plain), bridged=BRIDGED)
 
 
 def published_box(folder: Path) -> np.ndarray:

@@ -11,7 +11,7 @@ from tests.support.coloured_ball import cameras, photograph
 
 from thermo.errors import InputError
 from thermo.imaging import View
-from thermo.reconstruct import read_photographs, threshold_of
+from thermo.reconstruct import masked_by_threshold, read_photographs, threshold_of
 
 SIZE = (32, 32)
 
@@ -60,8 +60,7 @@ def test_a_threshold_finds_what_is_bright_on_dark_ground(tmp_path: Path) -> None
     left(tmp_path, "images/a.png", np.clip(ground, 0, 1))
     plain = read_photographs(views(), tmp_path)
     assert plain[0].mask is None
-    level = threshold_of(plain)
-    found = read_photographs(views(), tmp_path, threshold=level)[0]
+    found = masked_by_threshold(plain, threshold_of(plain))[0]
     assert found.mask is not None
     both = ((found.mask > 0.5) & (made.mask > 0.5)).sum()
     assert both / ((found.mask > 0.5) | (made.mask > 0.5)).sum() > 0.85
@@ -84,5 +83,3 @@ def test_what_is_missing_broken_or_of_another_size_is_named(tmp_path: Path) -> N
     (tmp_path / "images" / "a.png").write_bytes(b"\x89PNG\r\n\x1a\n no more")
     with pytest.raises(InputError, match="cannot be read"):
         read_photographs(views(), tmp_path)
-    with pytest.raises(InputError, match="two ways"):
-        read_photographs(views(), tmp_path, masks=tmp_path, threshold=0.5)

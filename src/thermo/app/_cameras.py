@@ -32,5 +32,6 @@ def cameras_of(settings: Mapping[str, Any]) -> tuple[View, ...]:
     views = read_cameras(
         Path(settings["cameras"]), scale=scale, axes=None if axes is None else Axes(axes)
     )
-    rig = settings["rig"]
+    # Not every verb has thermal cameras.
+    rig = settings.get("rig")
     return views if rig is None else thermal_views(read_rig(Path(str(rig))), views)

@@ -22,6 +22,7 @@ from thermo import errors
 from thermo.app import _verbs
 from thermo.app._discover import discover
 from thermo.app._identify import identify
+from thermo.app._reconstruct import reconstruct_surface
 from thermo.app._register import register
 from thermo.app._render import render_run
 from thermo.app._sweep import WORDS, finished, job_folder
@@ -32,13 +33,14 @@ VERBS: Mapping[str, Callable[[Mapping[str, Any]], None]] = {
     "identify": identify,
     "invert": _verbs.invert,
     "predict": _verbs.predict,
+    "reconstruct": reconstruct_surface,
     "register": register,
     "render": render_run,
     "simulate": _verbs.simulate,
     "study": _verbs.study,
 }
 
-RESUMED = ("invert", "render", "study")
+RESUMED = ("invert", "reconstruct", "render", "study")
 """Verbs that go on where they were stopped."""
 
 STUDIES = ("paper",)
@@ -52,6 +54,7 @@ HELP = """thermo VERB key=value ...
   thermo ensemble folder=DIR
   thermo identify data=FOLDER estimate=DIR out=DIR
   thermo discover data=FOLDER out=DIR
+  thermo reconstruct cameras=transforms.json images=FOLDER out=DIR
   thermo render data=FOLDER run=a cameras=transforms.json out=DIR
   thermo register frames=[a,b] cameras=transforms.json surface=FILE out=FOLDER
   thermo study paper data=SCENES size=quick out=DIR

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -44,9 +45,10 @@ def stated_scene(settings: Mapping[str, Any]) -> tuple[Scene, Surface]:
         standing = read_scene(Path(settings["scene"]))
         surface = read_surface(standing.surface_path, unit=standing.unit)
         return _with_run(standing, run_of(known, blank)), surface
-    path, unit = Path(settings["surface"]), str(settings["unit"])
+    path, unit, deviation = _surface_of(settings)
     surface = read_surface(path, unit=unit)
-    return _new_scene(settings, path, unit, run_of(known, blank)), surface
+    made = _new_scene(settings, path, unit, run_of(known, blank))
+    return replace(made, scale_deviation=deviation), surface
 
 
 def check_room(settings: Mapping[str, Any]) -> None:
@@ -104,6 +106,27 @@ def run_of(settings: Mapping[str, Any], recording: Recording) -> Run:
         held_out=flag(settings, "held_out"),
         where=f"run {settings['run']}",
     )
+
+
+def _surface_of(settings: Mapping[str, Any]) -> tuple[Path, str, Any]:
+    """Its file, the unit of that, and the relative deviation of its scale [1].
+
+    `surface` may be what `thermo reconstruct` left, whose record tells the last.
+    """
+    path, unit = Path(settings["surface"]), str(settings["unit"])
+    stated = settings["scale_deviation"]
+    if not path.is_dir():
+        return path, unit, 0.0 if stated is None else stated
+    try:
+        record = json.loads((path / "result.json").read_text("utf-8"))
+        scale, file = record["scale"], path / record["surface"]["file"]
+        told = 0.0 if scale is None else scale["relative_deviation"]
+    except (OSError, ValueError, KeyError, TypeError) as fault:
+        raise InputError(
+            "this folder holds no surface", where="surface", value=str(path),
+            limit="a file, or a folder that `thermo reconstruct` left", remedy="name the file",
+        ) from fault  # fmt: skip
+    return file, "m", told if stated is None else stated
 
 
 def _with_run(scene: Scene, run: Run) -> Scene:

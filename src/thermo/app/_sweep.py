@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 WORDS = "THERMO_WORDS"
 """Environment variable: the words of the command line, as the processes of a launcher see them."""
+
+READ = ("data", "cameras", "images", "masks")
+"""Settings that name what a job reads."""
 
 # Letters of a job's folder; file systems end at 255 bytes.
 LONGEST_LABEL = 100
@@ -29,13 +32,21 @@ def job_folder(out: Path, overrides: Sequence[str], number: int) -> Path:
     return out / (label if 0 < len(label) <= LONGEST_LABEL else str(number))
 
 
+def _files(given: object) -> Iterable[Path]:
+    """What a setting names: a file, or all in a folder."""
+    if given is None:
+        return ()
+    path = Path(str(given))
+    return path.iterdir() if path.is_dir() else (path,)
+
+
 def finished(verb: str, settings: Mapping[str, Any]) -> bool:
     """Whether a job has left its result, with these settings and from the data as they are."""
     path = Path(str(settings["out"])) / "result.json"
     try:
         record = json.loads(path.read_text("utf-8"))
         written = path.stat().st_mtime
-        data = [file.stat().st_mtime for file in Path(str(settings["data"])).iterdir()]
+        data = [file.stat().st_mtime for key in READ for file in _files(settings.get(key))]
     except (OSError, ValueError):
         return False
     same = record.get("configuration") == json.loads(json.dumps(settings, default=str))

@@ -14,6 +14,8 @@ from ._promote import linear, promote
 from ._ray_casting import Caster, RayHits, caster_of, first_hits, unhindered
 from ._read_surface import read_surface
 from ._resolution import Resolution, resolution
+from ._self_intersection import crossing_pairs
+from ._simplify import simplified
 from ._sizing import Sizing, heat_depth
 from ._sizing_from_physics import sizing_from_physics
 from ._surface import Surface
@@ -33,6 +35,7 @@ __all__ = [
     "cell_quality",
     "cell_volumes",
     "check_surface",
+    "crossing_pairs",
     "cylinder_mesh",
     "expected_nodes",
     "face_areas",
@@ -49,6 +52,7 @@ __all__ = [
     "promote",
     "read_surface",
     "resolution",
+    "simplified",
     "sizing_from_physics",
     "tetrahedralise",
     "triangle_normals",

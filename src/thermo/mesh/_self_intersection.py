@@ -22,6 +22,8 @@ def crossing_pairs(
 
     Pairs with a common edge cannot cross. Triangles that merely lie on each other in one plane
     are not reported.
+
+    Arguments: `vertices` [m]; `triangles`: three of them each.
     """
     corners = vertices[triangles]
     pairs = overlapping_pairs(corners)

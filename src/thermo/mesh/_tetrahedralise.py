@@ -22,6 +22,12 @@ from ._sizing import Sizing
 from ._sizing_field import sizing_field
 from ._surface import Surface
 
+MOST_TRIANGLES: Final = 40000
+"""Largest surface that is given to the mesher; its time grows steeply beyond."""
+
+TARGET: Final = 20000
+"""Triangles that a finer surface is brought down to."""
+
 STOP_ENERGY: Final = 30.0
 """AMIPS energy at which the mesher is content; 10 takes twice as long for no gain that matters."""
 
@@ -66,7 +72,8 @@ def tetrahedralise(
         except InputError:
             # An entry that no longer passes is as good as none.
             entry.unlink(missing_ok=True)
-    nodes, cells = _run_mesher(simplified(surface, where=where), sizing, time_limit, where)
+    fewer = simplified(surface, most=MOST_TRIANGLES, target=TARGET, where=where)
+    nodes, cells = _run_mesher(fewer, sizing, time_limit, where)
     mesh = gated_mesh(nodes, cells, surface, where=where)
     save_cells(entry, mesh.nodes, mesh.cells)
     # What is kept may be another process's mesh; fits that run side by side then share it.

@@ -13,7 +13,7 @@ from ._metric_scale import (
 )
 from ._objective import Balance
 from ._photograph import Photograph
-from ._picture import Picture, picture
+from ._picture import Picture, picture, psnr
 from ._preflight import preflight
 from ._read_photographs import read_photographs
 from ._reconstruct import Reconstruction, reconstruct
@@ -38,6 +38,7 @@ __all__ = [
     "masked_by_threshold",
     "picture",
     "preflight",
+    "psnr",
     "read_photographs",
     "reconstruct",
     "region_of",

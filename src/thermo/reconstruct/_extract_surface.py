@@ -9,10 +9,10 @@ from typing import Final
 import jax.numpy as jnp
 import numpy as np
 import trimesh
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from thermo.errors import InputError
-from thermo.mesh import Surface, check_surface
+from thermo.mesh import Surface, check_surface, crossing_pairs, simplified
 
 from ._region import Region, from_unit, to_unit
 
@@ -24,9 +24,6 @@ _REACH: Final = 2.0
 """How far from zero a coarse corner may be, in diagonals of its cell, for the cell to be looked at
 more closely [1]: where f is a distance one is enough; learned ones are off by less than half."""
 
-_HASTE: Final = (7, 5, 3, 1)
-"""How hastily triangles are joined, one try after the other; 7 is the library's own [1]."""
-
 Distance = Callable[[Float[Array, "points 3"]], Float[Array, " points"]]
 
 
@@ -37,8 +34,8 @@ def extract_surface(
 
     Marching cubes on `cells` [1] an edge of the region; distances are asked for near the zero set
     alone. Vertices are then moved to it by one step of Newton's method along grad f where that
-    lies within a cell, and the surface is brought down to `triangles` [1], or left as it is where
-    that would not leave it closed and free of itself.
+    lies within a cell and folds nothing, and the surface is brought down to `triangles` [1] by
+    `thermo.mesh.simplified`, or left as it is where that cannot be.
 
     Arguments: `distance`: f of places in halves of the region's edge [half an edge], negative
     inside. `region`: the cube [m]; where no photograph looks, such as below an object, f is
@@ -66,34 +63,30 @@ def extract_surface(
     # The library turns triangles towards falling values; f rises outward.
     whole = trimesh.Trimesh(unit, faces[:, ::-1], process=False)
     largest = max(whole.split(only_watertight=False), key=lambda part: part.area)
-    vertices = _on_zero(distance, np.asarray(largest.vertices), 2.0 / cells)
-    return _brought_down(trimesh.Trimesh(vertices, largest.faces, process=False), region, triangles)
+    corners, faces = np.asarray(largest.vertices), np.asarray(largest.faces)
+    moved = _on_zero(distance, corners, 2.0 / cells)
+    if region.room is not None:
+        moved = np.clip(moved, *to_unit(region, region.room))
+    vertices = from_unit(region, _unfolded(moved, corners, faces))
+    return _brought_down(Surface(vertices, faces.astype(np.int64)), region, triangles)
 
 
-def _brought_down(whole: trimesh.Trimesh, region: Region, triangles: int) -> Surface:
-    """The whole surface of few triangles [m], closed and free of itself.
-
-    Simplification by quadrics heeds neither: at a thin wall it may join what does not touch. A more
-    patient one seldom does.
-    """
-    if len(whole.faces) > triangles:
-        for haste in _HASTE:
-            fewer = whole.simplify_quadric_decimation(face_count=triangles, aggression=haste)
-            try:
-                if len(fewer.faces) <= triangles:
-                    return _checked(fewer, region)
-            except InputError:
-                continue
-    return _checked(whole, region)
+def _brought_down(whole: Surface, region: Region, triangles: int) -> Surface:
+    """The whole surface of few triangles [m], or as it is where it would not stay closed."""
+    where = "reconstructed surface"
+    try:
+        return _checked(simplified(whole, most=triangles, target=triangles, where=where), region)
+    except InputError:
+        return _checked(whole, region)
 
 
-def _checked(found: trimesh.Trimesh, region: Region) -> Surface:
-    vertices = from_unit(region, np.asarray(found.vertices, float))
+def _checked(surface: Surface, region: Region) -> Surface:
+    vertices = surface.vertices
     if region.room is not None:
         # Simplified edges of what the room cuts off stand out of it by rounding and little more.
         vertices = np.clip(vertices, region.room[0], region.room[1])
     return check_surface(
-        Surface(vertices, np.asarray(found.faces, np.int64)), where="reconstructed surface",
+        Surface(vertices, surface.triangles), where="reconstructed surface",
         largest=4.0 * region.half, smallest=1e-3 * region.half,
     )  # fmt: skip
 
@@ -116,7 +109,7 @@ def require_extra() -> None:
 
     Raises `InputError`.
     """
-    missing = [name for name in ("fast_simplification", "skimage") if find_spec(name) is None]
+    missing = [name for name in ("igl", "skimage") if find_spec(name) is None]
     if missing:
         raise InputError(
             "surfaces from photographs need extra packages", where="reconstruction",
@@ -175,6 +168,25 @@ def _on_zero(
     moved = -(value / square)[:, None] * slope
     size = np.linalg.norm(moved, axis=1, keepdims=True)
     return vertices + np.where(size < 0.5 * cell, moved, 0.0)
+
+
+def _unfolded(
+    moved: Float[np.ndarray, "vertices 3"],
+    stood: Float[np.ndarray, "vertices 3"],
+    faces: Int[np.ndarray, "triangles 3"],
+) -> Float[np.ndarray, "vertices 3"]:
+    """Vertices that were moved, but where triangles would then pass through each other.
+
+    At a crease grad f is neither side's, and a step along it may fold the surface. Triangles of
+    marching cubes lie in cells of their own: they pass through no other.
+    """
+    vertices = moved.copy()
+    while len(pairs := crossing_pairs(vertices, faces)):
+        back = np.unique(faces[pairs])
+        if np.array_equal(vertices[back], stood[back]):
+            break
+        vertices[back] = stood[back]
+    return vertices
 
 
 def _require_surface(values: Float[np.ndarray, "x y z"]) -> None:

@@ -13,6 +13,7 @@ from jaxtyping import Array, Float
 from thermo.imaging import Camera, pixel_centres, rays
 
 from ._neural_surface import NeuralSurface
+from ._photograph import Photograph
 from ._region import to_unit
 from ._render_rays import Sampling, Seen, see
 from ._train import Trained
@@ -68,6 +69,21 @@ def picture(trained: Trained, camera: Camera) -> Picture:
         depth.reshape(shape).astype(float),
         (seen.normal / np.maximum(length, 1e-6)).reshape(*shape, 3).astype(float),
     )
+
+
+def psnr(seen: Picture, photograph: Photograph) -> float:
+    """How alike what was rendered and what was photographed are over the object [dB].
+
+    10 log10(1 / mean square of what differs), of colours from 0 to 1 [1] on black ground. Pixels
+    weigh as much as the object covers of them: as the mask says, or the picture where there is
+    none. NaN where the object is not seen.
+    """
+    weight = seen.covered if photograph.mask is None else photograph.mask
+    square = ((seen.colour - weight[..., None] * photograph.colour) ** 2).mean(axis=2)
+    total = float(weight.sum())
+    if total == 0.0:
+        return float("nan")
+    return float(-10.0 * np.log10(max(float((weight * square).sum()) / total, 1e-12)))
 
 
 @eqx.filter_jit

@@ -13,7 +13,6 @@ from PIL import Image, UnidentifiedImageError
 from thermo.errors import InputError
 from thermo.imaging import View
 
-from ._masks import masked_by_threshold
 from ._photograph import Photograph
 
 _ENDINGS: Final = ("", ".png", ".jpg", ".jpeg", ".JPG", ".PNG", ".tif", ".tiff")
@@ -27,7 +26,6 @@ def read_photographs(
     folder: Path,
     *,
     masks: Path | None = None,
-    threshold: float | None = None,
 ) -> tuple[Photograph, ...]:
     """Read what each camera saw.
 
@@ -40,18 +38,11 @@ def read_photographs(
     - `folder`: where the pictures lie, under those names or their last part.
     - `masks`: folder of masks, bright on the object, called as the pictures. None takes the
       pictures' alpha channel where one cuts anything out.
-    - `threshold`: what is brighter is the object [1], with `masks` None; see `threshold_of`.
 
     Raises `InputError` for pictures and masks that are missing, cannot be read or have another
     size than their camera.
     """
-    if masks is not None and threshold is not None:
-        raise InputError(
-            "the object is told in two ways", where="threshold", value=threshold,
-            limit=f"masks={masks} or a threshold", remedy="leave one of them out",
-        )  # fmt: skip
-    found = tuple(_read(view, number, folder, masks) for number, view in enumerate(views))
-    return found if threshold is None else masked_by_threshold(found, threshold)
+    return tuple(_read(view, number, folder, masks) for number, view in enumerate(views))
 
 
 def _read(view: View, number: int, folder: Path, masks: Path | None) -> Photograph:

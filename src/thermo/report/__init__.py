@@ -28,6 +28,7 @@ from ._write_identifiability import (
 )
 from ._write_inversion import inversion_record, inversion_table, write_inversion
 from ._write_prediction import prediction_table, write_predictions
+from ._write_reconstruction import write_reconstruction
 from ._write_registration import write_registration
 
 __all__ = [
@@ -67,6 +68,7 @@ __all__ = [
     "write_npz",
     "write_predictions",
     "write_pvd",
+    "write_reconstruction",
     "write_registration",
     "write_text",
     "write_viewer",

@@ -43,6 +43,7 @@ class Progress:
     - `total`: the number of steps, or `None` where it is not known (then no time left is shown).
     - `stream`: usually `sys.stderr`.
     - `clock`: gives seconds [s]; only differences count.
+    - `measure`: what the number beside a step is, with its unit.
 
     On a terminal one line is rewritten, at most four times a second. Elsewhere each report is a
     line of its own, at most one in five seconds. The last state is always shown. Use it in a
@@ -55,7 +56,9 @@ class Progress:
         total: int | None,
         stream: Stream,
         clock: Callable[[], float] = time.monotonic,
+        measure: str = "loss",
     ) -> None:
+        self._measure = measure
         self._label, self._total, self._stream, self._clock = label, total, stream, clock
         self._terminal = stream.isatty()
         self._interval = 0.25 if self._terminal else 5.0
@@ -69,7 +72,7 @@ class Progress:
         elapsed = now - self._start
         parts = [f"{self._label}: step {step}" + (f" of {self._total}" if self._total else "")]
         if loss is not None:
-            parts.append(f"loss {loss:.6g}")
+            parts.append(f"{self._measure} {loss:.6g}")
         parts.append(f"{duration(elapsed)} elapsed")
         if self._total and 0 < step < self._total:
             # A bound, since an optimiser may stop before its last step.
