@@ -11,7 +11,8 @@ Dino and temple are real, 16 photographs each (Seitz et al., CVPR 2006); masks c
 threshold that is found, with gaps closed, and the region to look in from the published box. Their
 true surfaces are not public.
 `results/reconstruction_silhouettes.csv` holds the overlap of the surface's silhouette with each
-mask, whether the surface is closed, and how far it reaches beyond the published box.
+mask, whether the surface is closed, and how far it reaches beyond the published box, and
+`docs/images` six views of each.
 
 Seconds are those of the training and of the surface, compilation included. An object that is run
 takes the place of its lines in the tables; the lines of others stay.
@@ -46,6 +47,7 @@ from thermo.imaging import Camera, read_cameras
 from thermo.reconstruct import (
     Photograph,
     Region,
+    Trained,
     masked_by_threshold,
     picture,
     read_photographs,
@@ -53,8 +55,10 @@ from thermo.reconstruct import (
     region_of,
     threshold_of,
 )
+from thermo.report import figure_turntable, upward
 
 RESULTS: Final = Path(__file__).parent / "results"
+IMAGES: Final = Path(__file__).parents[1] / "docs" / "images"
 REAL: Final = {"dino": "middlebury_dinoSparseRing", "temple": "middlebury_templeSparseRing"}
 BRIDGED: Final = 10
 """By how much masks are grown and then shrunk [px], to close shadows: their authors grow by it."""
@@ -65,6 +69,7 @@ class Rebuilt(NamedTuple):
 
     surface: trimesh.Trimesh
     look: Callable[[Camera], np.ndarray]
+    trained: Trained
     seconds: float
 
 
@@ -74,7 +79,9 @@ def rebuild(photographs: Sequence[Photograph], region: Region) -> Rebuilt:
     found = reconstruct(photographs, region, on_step=_told)
     seconds = time.monotonic() - begun
     surface = trimesh.Trimesh(found.surface.vertices, found.surface.triangles, process=False)
-    return Rebuilt(surface, lambda camera: picture(found.trained, camera).colour, seconds)
+    return Rebuilt(
+        surface, lambda camera: picture(found.trained, camera).colour, found.trained, seconds
+    )
 
 
 def rendered(name: str, data: Path) -> list[dict[str, Any]]:
@@ -104,6 +111,7 @@ def real(name: str, data: Path) -> list[dict[str, Any]]:
     box = published_box(folder)
     found = rebuild(photographs, region_of(photographs, box))
     beyond = reach_beyond(found.surface, box)
+    figure_turntable(IMAGES / f"reconstruct_{name}.png", found.trained, upward(photographs))
     return [
         {
             "object": name,

@@ -8,6 +8,7 @@ from ._figure_rendering import figure_rendering
 from ._figure_residuals import figure_residuals
 from ._figure_robustness import RepeatedFits, figure_robustness
 from ._figure_transfer import TransferMap, figure_transfer
+from ._figure_turntable import figure_turntable, upward
 from ._folder import require_writable
 from ._json import write_json
 from ._live import log_to_rerun
@@ -49,6 +50,7 @@ __all__ = [
     "figure_residuals",
     "figure_robustness",
     "figure_transfer",
+    "figure_turntable",
     "identifiability_record",
     "identifiability_table",
     "inversion_record",
@@ -58,6 +60,7 @@ __all__ = [
     "require_writable",
     "surface_record",
     "table",
+    "upward",
     "versions",
     "viewer_of_prediction",
     "write_discovery",

@@ -12,7 +12,7 @@ from PIL import Image
 
 from thermo.imaging import Camera, looking_at
 from thermo.observe import write_whole
-from thermo.reconstruct import Region, Trained, picture
+from thermo.reconstruct import Photograph, Region, Trained, picture
 
 VIEWS: Final = 6
 """How many sides are shown [1]."""
@@ -74,3 +74,11 @@ def _column(trained: Trained, camera: Camera) -> Float[np.ndarray, "rows columns
     shown = 0.5 + 0.5 * normal * np.array([1.0, -1.0, -1.0])
     both: Sequence[np.ndarray] = (seen.colour + ground, shown * seen.covered[..., None] + ground)
     return np.concatenate(both, axis=0)
+
+
+def upward(photographs: Sequence[Photograph]) -> Float[np.ndarray, "3"]:
+    """The direction that is upward in most pictures, of length one [1]; z where none is."""
+    up = -np.mean([one.camera.pose[1, :3] for one in photographs], axis=0)
+    length = float(np.linalg.norm(up))
+    # Cameras that were turned all ways have no common upward.
+    return up / length if length > 0.1 else np.array([0.0, 0.0, 1.0])

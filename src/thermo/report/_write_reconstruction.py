@@ -14,7 +14,7 @@ from thermo.mesh import Surface
 from thermo.observe import write_whole
 from thermo.reconstruct import Finding, MetricScale, Photograph, Trained, picture, psnr
 
-from ._figure_turntable import figure_turntable
+from ._figure_turntable import figure_turntable, upward
 from ._json import write_json
 from ._versions import versions
 
@@ -45,7 +45,7 @@ def write_reconstruction(
     with write_whole(folder / "surface.ply") as temporary:
         mesh = trimesh.Trimesh(surface.vertices, surface.triangles, process=False)
         mesh.export(temporary)
-    figure_turntable(folder / "turntable.png", trained, _up(photographs))
+    figure_turntable(folder / "turntable.png", trained, upward(photographs))
     own = surface if scale is None else Surface(surface.vertices / scale.factor, surface.triangles)
     low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
     record = {
@@ -102,11 +102,3 @@ def _judged(photograph: Photograph, surface: Surface, trained: Trained) -> dict[
     alike = psnr(picture(trained, photograph.camera), photograph)
     found = {"psnr": alike if np.isfinite(alike) else None, "psnr_unit": "dB"}
     return found | _overlap(photograph, surface)
-
-
-def _up(photographs: Sequence[Photograph]) -> np.ndarray:
-    """The direction [1] that is upward in most pictures."""
-    upward = -np.mean([one.camera.pose[1, :3] for one in photographs], axis=0)
-    length = float(np.linalg.norm(upward))
-    # Cameras that were turned all ways have no common upward.
-    return upward / length if length > 0.1 else np.array([0.0, 0.0, 1.0])
