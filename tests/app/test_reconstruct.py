@@ -12,6 +12,7 @@ from coloured_ball import CENTRE, RADIUS, cameras, photograph
 from PIL import Image
 
 from thermo.app._metric_scale import stated_scale
+from thermo.app._reconstruct import _photographs
 from thermo.errors import InputError
 from thermo.imaging import View, pixel_centres, rays, read_cameras, write_transforms
 from thermo.mesh import read_surface
@@ -178,6 +179,18 @@ def test_lengths_and_distances_of_cameras_give_the_unit(pictures: Path, tmp_path
         (tmp_path / "wrong.txt").write_text(f"view0 view1 0.1\n{line}\n")
         with pytest.raises(InputError, match="line 2"):
             stated_scale(asked("cameras", str(tmp_path / "wrong.txt")), views)
+
+
+def test_a_threshold_that_is_found_masks_what_alpha_does(pictures: Path) -> None:
+    views = read_cameras(pictures / "transforms.json")
+    plain = {"cameras": pictures / "transforms.json", "images": None, "masks": None, "left_out": []}
+    by_alpha, _ = _photographs(plain | {"threshold": None, "bridged": 0}, views)
+    found, _ = _photographs(plain | {"threshold": "auto", "bridged": 1}, views)
+    for one, other in zip(found, by_alpha, strict=True):
+        assert one.mask is not None and other.mask is not None
+        shown, wanted = one.mask > 0.5, other.mask > 0.5
+        assert (shown & wanted).sum() > 0.85 * (shown | wanted).sum()
+        assert not np.array_equal(one.mask, other.mask), "alpha is partial at rims"
 
 
 def asked(way: str, value: Any) -> dict[str, Any]:

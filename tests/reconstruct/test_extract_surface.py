@@ -97,7 +97,7 @@ def rough(seed: int) -> Distance:
 @pytest.mark.parametrize("seed", [0, 5])
 def test_thin_walls_stay_whole_when_they_are_brought_down(seed: int) -> None:
     whole = extract_surface(rough(seed), REGION, cells=128, triangles=10**6)
-    # The library's own haste joins the sides of these walls, and the surface would be refused.
+    # Quadrics that heed no topology join the sides of these walls, and the surface is refused.
     fewer = extract_surface(rough(seed), REGION, cells=128, triangles=8000)
     assert len(fewer.triangles) <= 8000
     assert fewer.volume() == pytest.approx(whole.volume(), rel=0.01)
