@@ -193,17 +193,6 @@ def silhouette_iou(surface: trimesh.Trimesh, photograph: Photograph) -> float:
     return overlap(silhouette(photograph.camera, shape), photograph.mask > 0.5)
 
 
-def psnr(rendered: Float[np.ndarray, "rows columns 3"], photograph: Photograph) -> float:
-    """10 log10(1 / mean square of what differs) over pixels that the object covers [dB].
-
-    Arguments: `rendered`, colours between 0 and 1 [1] on black ground; so is the photograph laid.
-    Pixels weigh as much as the object covers of them.
-    """
-    weight = photograph.mask
-    square = ((rendered - weight[:, :, None] * photograph.colour) ** 2).mean(axis=2)
-    return float(-10 * np.log10((weight * square).sum() / weight.sum()))
-
-
 def write_photographs(folder: Path, photographs: tuple[Photograph, ...]) -> None:
     """Leave pictures with alpha, and their cameras in `transforms.json`, in a folder."""
     for one in photographs:

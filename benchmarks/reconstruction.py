@@ -28,7 +28,7 @@ import csv
 import os
 import re
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
@@ -38,18 +38,18 @@ from photographed import (
     FILES,
     data_folder,
     photographed,
-    psnr,
     silhouette_iou,
     surface_error,
 )
 
-from thermo.imaging import Camera, read_cameras
+from thermo.imaging import read_cameras
 from thermo.reconstruct import (
     Photograph,
     Region,
     Trained,
     masked_by_threshold,
     picture,
+    psnr,
     read_photographs,
     reconstruct,
     region_of,
@@ -65,10 +65,9 @@ BRIDGED: Final = 10
 
 
 class Rebuilt(NamedTuple):
-    """A rebuilt surface [m], how it looks to a camera, and how long it took [s]."""
+    """A rebuilt surface [m], what it was taken from, and how long it took [s]."""
 
     surface: trimesh.Trimesh
-    look: Callable[[Camera], np.ndarray]
     trained: Trained
     seconds: float
 
@@ -79,9 +78,7 @@ def rebuild(photographs: Sequence[Photograph], region: Region) -> Rebuilt:
     found = reconstruct(photographs, region, on_step=_told)
     seconds = time.monotonic() - begun
     surface = trimesh.Trimesh(found.surface.vertices, found.surface.triangles, process=False)
-    return Rebuilt(
-        surface, lambda camera: picture(found.trained, camera).colour, found.trained, seconds
-    )
+    return Rebuilt(surface, found.trained, seconds)
 
 
 def rendered(name: str, data: Path) -> list[dict[str, Any]]:
@@ -89,7 +86,7 @@ def rendered(name: str, data: Path) -> list[dict[str, Any]]:
     made = photographed(name, data)
     found = rebuild(made.photographs, region_of(made.photographs))
     error = surface_error(found.surface, made.truth)
-    decibels = [psnr(found.look(one.camera), one) for one in made.left_out]
+    decibels = [psnr(picture(found.trained, one.camera), one) for one in made.left_out]
     line = {
         "object": name,
         "distance_percent": 100 * error.share,
