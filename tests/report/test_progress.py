@@ -41,6 +41,19 @@ def test_a_log_gets_a_line_every_five_seconds_and_the_last() -> None:
     assert lines[-1] == "fit: step 100 of 100, loss 0.1, 13 s elapsed"
 
 
+def test_the_first_step_does_not_tell_how_long_others_take() -> None:
+    stream, clock = io.StringIO(), Clock()
+    with Progress("fit", 12, stream, clock) as progress:
+        for seconds, step in ((100.0, 1), (6.0, 2), (12.0, 4)):
+            clock.now += seconds
+            progress.update(step)
+    assert stream.getvalue().splitlines() == [
+        "fit: step 1 of 12, 1 min 40 s elapsed",
+        "fit: step 2 of 12, 1 min 46 s elapsed, at most 1 min 00 s left",
+        "fit: step 4 of 12, 1 min 58 s elapsed, at most 48 s left",
+    ]
+
+
 def test_a_terminal_gets_one_line_four_times_a_second() -> None:
     text = drive(Terminal(), 100, 0.01)
     assert 3 <= text.count("\r") <= 6

@@ -46,8 +46,9 @@ class Progress:
     - `measure`: what the number beside a step is, with its unit.
 
     On a terminal one line is rewritten, at most four times a second. Elsewhere each report is a
-    line of its own, at most one in five seconds. The last state is always shown. Use it in a
-    `with` statement, so that the line is ended after an error too.
+    line of its own, at most one in five seconds. The last state is always shown. The time left is
+    told from the second step on, by those since the first one, which meshes and compiles as well.
+    Use it in a `with` statement, so that the line is ended after an error too.
     """
 
     def __init__(
@@ -63,6 +64,7 @@ class Progress:
         self._terminal = stream.isatty()
         self._interval = 0.25 if self._terminal else 5.0
         self._start = clock()
+        self._first: tuple[int, float] | None = None
         # A terminal shows the first step at once; a log file waits for its first interval.
         self._shown = self._start - (self._interval if self._terminal else 0.0)
         self._pending: str | None = None
@@ -74,9 +76,10 @@ class Progress:
         if loss is not None:
             parts.append(f"{self._measure} {loss:.6g}")
         parts.append(f"{duration(elapsed)} elapsed")
-        if self._total and 0 < step < self._total:
+        first, then = self._first or (step, now)
+        if self._total and first < step < self._total:
             # A bound, since an optimiser may stop before its last step.
-            left = elapsed / step * (self._total - step)
+            left = (now - then) / (step - first) * (self._total - step)
             parts.append(f"at most {duration(left)} left")
         return ", ".join(parts)
 
@@ -94,6 +97,7 @@ class Progress:
         now = self._clock()
         self._total = self._total if total is None else total
         text = self._text(step, loss, now)
+        self._first = self._first or (step, now)
         if now - self._shown >= self._interval:
             self._show(text, now)
         else:
