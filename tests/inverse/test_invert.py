@@ -272,6 +272,18 @@ def test_the_data_call_one_material_uniform(block: Path, meshing: Meshing) -> No
 
 
 @pytest.mark.usefixtures("unsimulated")
+def test_a_fit_says_that_it_could_not_be_corrected(
+    block: Path, meshing: Meshing, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("thermo.inverse._stages.defects", lambda *_: None)
+    how = {"runs": ("lamp",), "optimiser": Walk(fixed=False)}
+    estimate = stroll(block, replace(meshing, corrected=True), **how)
+    assert any("could not be made" in remark for remark in estimate.remarks)
+    estimate = stroll(block, meshing, **how)
+    assert not any("could not be made" in remark for remark in estimate.remarks)
+
+
+@pytest.mark.usefixtures("unsimulated")
 def test_a_start_scales_first_values_and_nothing_else(block: Path, meshing: Meshing) -> None:
     seen = []
     for start in (1.0, 3.0):

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from thermo.errors import InputError
 from thermo.inverse import (
     Adam,
     LevenbergMarquardt,
@@ -116,6 +117,20 @@ def test_values_are_corrected_in_the_end_and_go_on_from_where_they_stand(task: T
     assert not np.any(first.cases[0].defect) and np.any(last.cases[0].defect)
     # Nothing else changes, so that no program is compiled anew.
     assert last.fields is first.fields and last.settled == first.settled
+
+
+def test_a_surface_that_is_not_meshed_so_finely_costs_no_fit(
+    task: Task, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    alone = replace(task, choice=Uniform(), stages="none")
+    ready = prepare(alone)
+
+    def refuse(*_: object) -> None:
+        raise InputError("the mesher did not finish", where="s", value="", limit="", remedy="")
+
+    monkeypatch.setattr("thermo.inverse._defect.mesh_for", refuse)
+    first, last = stages(alone, ready)
+    assert last is first
 
 
 def test_without_a_correction_nothing_is_added(task: Task) -> None:

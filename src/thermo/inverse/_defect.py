@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from thermo.errors import InputError
 from thermo.inverse._addition import Addition
 from thermo.inverse._estimate import recovered
 from thermo.inverse._forward import forward
@@ -47,8 +48,10 @@ Defects = Sequence[Float[Array, "runs frames samples"]]
 
 def defects(
     task: Task, ready: Ready, before: Objective
-) -> list[Float[Array, "runs frames samples"]]:
+) -> list[Float[Array, "runs frames samples"]] | None:
     """By how much finer runs read more than those of `before` [K], with the fields it stands at.
+
+    None where the surface cannot be meshed so finely: a fit need not be lost for that.
 
     Added to the simulation of fields near these, it takes off most of what cells and steps make
     wrong: values move by it, and a field would bend to it where temperatures alone do not show it.
@@ -57,7 +60,10 @@ def defects(
     Source: Stetter, Numerische Mathematik 29 (1978) 425, the defect correction; Kaipio and
     Somersalo, J. Comput. Appl. Math. 198 (2007) 493, the mean of the approximation error.
     """
-    finer = mesh_for(task, ready.stated, FINER)
+    try:
+        finer = mesh_for(task, ready.stated, FINER)
+    except InputError:
+        return None
     there = finer_readings(task, ready, before, start(before), finer)
     return [
         jnp.asarray(np.where(np.isnan(finer), 0.0, finer - mine))

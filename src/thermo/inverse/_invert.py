@@ -23,7 +23,7 @@ from thermo.inverse._properties import diffusivity_quantile
 from thermo.inverse._run_fit import run_fits
 from thermo.inverse._scale_effect import scale_remarks
 from thermo.inverse._smoothing import ALL_BUT_UNIFORM
-from thermo.inverse._stages import data_choose, make_stage, stage_orders
+from thermo.inverse._stages import corrected, data_choose, make_stage, stage_orders
 from thermo.inverse._stepping import Stepping
 from thermo.inverse._surface_scale import scale_effect
 from thermo.inverse._task import Prior, Task, prepare, what_is_asked
@@ -128,7 +128,7 @@ def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: flo
         remarks=(
             *_one_material(task, found),
             *(_chosen(smoothness) if data_choose(task, ready) else ()),
-            *_taken_off(met),
+            *_taken_off(task, met),
             *_unexplained(task, met),
             *scale_remarks(scale),
         ),
@@ -154,9 +154,13 @@ def _chosen(smoothness: dict[str, float]) -> list[str]:
     ]
 
 
-def _taken_off(met: dict[str, RunFit]) -> list[str]:
+def _taken_off(task: Task, met: dict[str, RunFit]) -> list[str]:
     if not any(run.defect for run in met.values()):
-        return []
+        failed = (
+            "A mesh twice as fine could not be made, so that what the fit's cells and steps make "
+            "wrong is not allowed for: simplify the surface, or lower mesh.max_nodes."
+        )
+        return [failed] if corrected(task) else []
     words = ", ".join(f"{run.defect:.2g} K in {name}" for name, run in met.items())
     return [
         f"What the fit's cells and steps make wrong is allowed for (mesh.corrected): {words} (RMS)."

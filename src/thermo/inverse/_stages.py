@@ -69,11 +69,11 @@ def stage_orders(task: Task, ready: Ready) -> tuple[int, ...]:
     if isinstance(task.choice, AbstractStagedChoice):
         both = (first, order)
     asked = ASKED if data_choose(task, ready) else 0
-    return (*both, *(order,) * _corrected(task), *(order,) * asked)
+    return (*both, *(order,) * corrected(task), *(order,) * asked)
 
 
-def _corrected(task: Task) -> bool:
-    """Whether what cells and steps make wrong is taken off."""
+def corrected(task: Task) -> bool:
+    """Whether what cells and steps make wrong is to be taken off [1]."""
     return task.meshing.corrected and not task.optimiser.fixed_length()
 
 
@@ -88,10 +88,11 @@ def make_stage(task: Task, ready: Ready, number: int, before: Objective | None) 
     if number >= plain:
         assert before is not None, "a field begins with the value of the whole body"
         return _asked_stage(task, ready, orders[number], before, first=number == plain)
-    last = plain - 1 - _corrected(task)
+    last = plain - 1 - corrected(task)
     if number > last:
         assert before is not None, "fields have been fitted"
-        return with_defects(before, defects(task, ready, before))
+        apart = defects(task, ready, before)
+        return before if apart is None else with_defects(before, apart)
     if asked:
         ready = _one_value(ready, before)
     elif before is not None:
