@@ -159,6 +159,8 @@ def test_truncated_files_are_refused(tmp_path: Path, share: float) -> None:
         ({"emissivity": 0.0}, "emissivity = 0"),
         ({"emissivity": 95.0}, "emissivity = 95"),
         ({"window": 0.0}, "window_transmission = 0"),
+        ({"distance": 1e30}, "transmission of the air = "),
+        ({"distance": 3.0, "humidity": math.inf}, "transmission of the air = nan"),
         ({"planck_b": -1.0}, "planck_b = -1"),
         ({"planck_b": math.nan}, "planck_b = nan"),
     ],

@@ -55,12 +55,12 @@ def _values(path: Path, content: bytes, unit: str) -> np.ndarray:
     if unit == "counts":
         return picture.signal
     known = picture.settings
-    _check_settings(path, known)
+    passed = _air(known)
+    _check_settings(path, known, passed)
     response = PlanckConstants(
         known.planck_r1, known.planck_r2, known.planck_b, known.planck_f, known.planck_o,
         where=str(path),
     )  # fmt: skip
-    passed = _air(known)
     optics = Optics(
         known.emissivity,
         known.reflected_temperature if known.emissivity < 1 else None,
@@ -108,22 +108,25 @@ def _air(known: FlirSettings) -> float:
     Tools by tenths of a kelvin at some metres.
     """
     celsius = known.air_temperature - 273.15
-    water = known.humidity * np.exp(
-        np.polynomial.polynomial.polyval(celsius, (1.5587, 0.06939, -2.7816e-4, 6.8455e-7))
-    )
-    far, wet = np.sqrt([max(known.distance, 0.0), max(water, 0.0)])
-    first = np.exp(-far * (known.alpha_1 + known.beta_1 * wet))
-    second = np.exp(-far * (known.alpha_2 + known.beta_2 * wet))
-    return float(np.clip(known.mixture * first + (1 - known.mixture) * second, None, 1.0))
+    with np.errstate(all="ignore"):  # settings that make no sense are refused by what comes out
+        water = known.humidity * np.exp(
+            np.polynomial.polynomial.polyval(celsius, (1.5587, 0.06939, -2.7816e-4, 6.8455e-7))
+        )
+        far, wet = np.sqrt([max(known.distance, 0.0), max(water, 0.0)])
+        first = np.exp(-far * (known.alpha_1 + known.beta_1 * wet))
+        second = np.exp(-far * (known.alpha_2 + known.beta_2 * wet))
+        return float(np.minimum(known.mixture * first + (1 - known.mixture) * second, 1.0))
 
 
-def _check_settings(path: Path, known: FlirSettings) -> None:
-    wrong = [name for name in _POSITIVE if not getattr(known, name) > 0]
-    wrong += [name for name in _SHARES if not 0 < getattr(known, name) <= 1]
+def _check_settings(path: Path, known: FlirSettings, passed: float) -> None:
+    positive = {name: getattr(known, name) for name in _POSITIVE}
+    shares = {name: getattr(known, name) for name in _SHARES} | {"transmission of the air": passed}
+    wrong = [name for name, value in positive.items() if not value > 0]
+    wrong += [name for name, value in shares.items() if not 0 < value <= 1]
     if wrong:
         raise InputError(
             "the radiometric header is wrong", where=str(path),
-            value=f"{wrong[0]} = {getattr(known, wrong[0]):g}",
+            value=f"{wrong[0]} = {(positive | shares)[wrong[0]]:g}",
             limit="positive constants of Planck's law, shares above 0 and at most 1",
             remedy="copy the file from the camera again; or state recording.unit=counts and "
             "calibrate the signal by a radiometry of your own",
