@@ -19,6 +19,9 @@ The files of the committed table are public, and none of them is in this reposit
 - `images` of SanNianYiSi/thermal_parser: FLIR's, one of which is among those of IRimage_paper, and
   DJI's of two kinds: with a core of FLIR, and in the format of DJI's own.
 
+`tests/imaging/readers/test_real_camera_files.py` holds them to half of a thousandth where the
+environment variable `THERMOFIELD_CAMERA_FILES` names such a folder.
+
 With `--write` leaves benchmarks/results/real_camera_files.csv. Takes some ten seconds.
 """
 
