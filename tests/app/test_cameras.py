@@ -281,6 +281,7 @@ def test_a_surface_out_of_place_is_brought_to_points(
         assert refused.code == 2 and said in refused.err, refused.err
     ball = trimesh.creation.icosphere(subdivisions=3, radius=9.0)
     trimesh.PointCloud(ball.vertices + 1000 * middle).export(cloud)
+    films[0].write_bytes(b"not read")  # before the points have had their say
     refused = registered(command, block, cameras, films, *given, f"out={tmp_path / 'no'}")
     assert refused.code == 2 and "could not be brought to the points" in refused.err
     assert "cloud.ply" in refused.err and not (tmp_path / "no").exists()

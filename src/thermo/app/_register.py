@@ -48,6 +48,10 @@ def register(settings: Mapping[str, Any]) -> None:
     count = number(settings["samples"], "count", "samples.", whole=True, above=0)
     files = files_of(settings, views)
     cameras = [view.camera for view in views]
+    brought = None
+    if cloud is not None:
+        brought = to_points(settings, surface, cloud)
+        scene, surface = with_scale(settings, scene, brought), brought.surface
     looks = _looks(settings, surface, cameras)
     print(f"reading {len(files)} recordings", file=sys.stderr)
     read = [
@@ -59,16 +63,11 @@ def register(settings: Mapping[str, Any]) -> None:
         f"{file}: {word}" for file, (_, words) in zip(files, read, strict=True) for word in words
     ]
     told += _order(looks, frames, files)
-    brought = None
-    if settings["align"] is not None:
-        brought = (
-            to_silhouettes(settings, surface, cameras, frames, files)
-            if cloud is None
-            else to_points(settings, surface, cloud)
-        )
+    if settings["align"] is not None and brought is None:
+        brought = to_silhouettes(settings, surface, cameras, frames, files)
         scene = with_scale(settings, scene, brought)
         looks = _looks(settings, brought.surface, cameras)
-        told += brought.words
+    told += [] if brought is None else brought.words
     samples = place_samples(looks, count=count)
     if settings["find_lamp_time"]:
         frames, words = on_time(settings, samples, cameras, frames)
