@@ -17,9 +17,11 @@ from thermo.imaging import (
     Camera,
     Optics,
     PlanckConstants,
+    Similarity,
     View,
     looking_at,
     measured_signal,
+    motion_about,
     similarity_about,
     write_transforms,
 )
@@ -205,8 +207,9 @@ def test_a_surface_out_of_place_is_brought_to_the_silhouettes(
         command, block, cameras, rooms, *given, f"out={out}", "align=pose_and_scale"
     )
     assert outcome.code == 0, outcome.err
-    assert "aligned: turned by" in outcome.out
+    assert "aligned: turned by" in outcome.out and "(one standard deviation)" in outcome.out
     scene = read_scene(out)
+    check_record(out, scene.scale_deviation, "silhouettes", off, middle)
     found = read_surface(scene.surface_path, unit=scene.unit)
     distance = np.linalg.norm(found.vertices - right.vertices, axis=1)
     before = np.linalg.norm(moved.vertices - right.vertices, axis=1)
@@ -215,6 +218,73 @@ def test_a_surface_out_of_place_is_brought_to_the_silhouettes(
     assert distance.max() < 2.4e-4 < before.max() / 3
     refused = registered(command, block, cameras, rooms, f"scene={block}", "align=pose")
     assert refused.code == 2 and "is not moved" in refused.err
+
+
+def check_record(
+    out: Path, scale: float, source: str, off: Similarity, middle: np.ndarray
+) -> dict[str, Any]:
+    """What a surface that was `off` is known to, which must be what it is off by at the end."""
+    record = json.loads((out / "recording+registration.json").read_text("utf-8"))["alignment"]
+    assert record["to"] == source and record["untold"] == []
+    assert record["rotation_deviation_unit"] == "rad" and record["place_deviation_unit"] == "m"
+    found = Similarity(record["rotation"], record["shift"], record["scale"])
+    left = motion_about(middle, found.after(off))
+    deviation = [*record["rotation_deviation"], *record["place_deviation"]]
+    deviation.append(record["scale_deviation"])
+    # A pixel is a third of a millimetre, the object 24 mm; points are as well known.
+    assert (np.array(deviation) > 1e-6).all() and (np.array(deviation) < 0.02).all()
+    assert (np.abs(left) < 6 * np.array(deviation)).all(), left / deviation
+    assert scale == pytest.approx(record["scale_deviation"], rel=1e-6)
+    return record
+
+
+def test_a_surface_out_of_place_is_brought_to_points(
+    command: Command, block: Path, cameras: Path, films: list[Path], tmp_path: Path
+) -> None:
+    stated = read_scene(block)
+    right = read_surface(stated.surface_path, unit=stated.unit)
+    middle = (right.vertices.min(axis=0) + right.vertices.max(axis=0)) / 2
+    off = similarity_about(middle, np.array([0.05, -0.04, 0.06, 4e-4, -3e-4, 2e-4, 0.02]))
+    moved = trimesh.Trimesh(off.apply(right.vertices), right.triangles, process=False)
+    moved.export(tmp_path / "off.ply")
+    whole = trimesh.Trimesh(right.vertices, right.triangles, process=False)
+    random = np.random.default_rng(0)
+    points = trimesh.sample.sample_surface(whole, 2000, seed=random)[0]
+    points += 5e-5 * random.standard_normal(points.shape)
+    cloud = tmp_path / "cloud.ply"
+    trimesh.PointCloud(1000 * points).export(cloud)
+    out = tmp_path / "scene"
+    words = (f"surface={tmp_path / 'off.ply'}", "unit=m", f"points={cloud}", f"out={out}")
+    given = (*words, "points_unit=mm", "align=pose_and_scale")
+    outcome = registered(command, block, cameras, films, *given)
+    assert outcome.code == 0, outcome.err
+    assert "mm off the surface" in outcome.out and "the scale to" in outcome.out
+    scene = read_scene(out)
+    record = check_record(out, scene.scale_deviation, "points", off, middle)
+    assert record["residual"] == pytest.approx(5e-5, rel=0.2) and record["residual_unit"] == "m"
+    found = read_surface(scene.surface_path, unit=scene.unit)
+    assert np.linalg.norm(found.vertices - right.vertices, axis=1).max() < 5e-5
+    kept = registered(command, block, cameras, films, *given, "scale_deviation=0.03")
+    assert kept.code == 0 and read_scene(out).scale_deviation == 0.03
+    for more, said in (
+        (("points_unit=m",), "another size"),
+        (("points_unit=null",), "the unit of the points is not known"),
+        (("points_unit=cameras",), "where camera_scale says"),
+        (("points_unit=ft",), "m, cm, mm, inch"),
+        (("align=null",), "nothing is brought to the points"),
+        (("points=null",), "no points that could have a unit"),
+        (("points=nowhere.ply",), "nowhere.ply"),
+    ):
+        refused = registered(
+            command, block, cameras, films, *given, f"out={tmp_path / 'no'}", *more
+        )
+        assert refused.code == 2 and said in refused.err, refused.err
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=9.0)
+    trimesh.PointCloud(ball.vertices + 1000 * middle).export(cloud)
+    films[0].write_bytes(b"not read")  # before the points have had their say
+    refused = registered(command, block, cameras, films, *given, f"out={tmp_path / 'no'}")
+    assert refused.code == 2 and "could not be brought to the points" in refused.err
+    assert "cloud.ply" in refused.err and not (tmp_path / "no").exists()
 
 
 def test_the_lamp_s_time_is_found_in_the_frames(

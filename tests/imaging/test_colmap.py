@@ -43,8 +43,9 @@ def test_other_lenses_and_folders_are_refused(tmp_path: Path) -> None:
     pytest.importorskip("pycolmap", reason="the extra thermofield[colmap] is not installed")
     fish = [80.0, 80.0, 32.0, 24.0, 0.1, 0.0, 0.0, 0.0]
     write_colmap(tmp_path / "0", camera_at((1.0, 0.0, 0.0)), "OPENCV_FISHEYE", fish)
-    with pytest.raises(InputError, match="OPENCV_FISHEYE"):
+    with pytest.raises(InputError, match="lens is a fisheye") as caught:
         read_cameras(tmp_path / "0")
+    assert "OPENCV_FISHEYE" in str(caught.value)
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputError, match="COLMAP folder cannot be read"):
         read_cameras(tmp_path / "empty")

@@ -10,7 +10,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from thermo.app._aligned import aligned, check_alignment, on_time, write_surface
+from thermo.app._aligned import check_alignment, on_time, write_surface
+from thermo.app._brought import cloud_of, to_points, to_silhouettes, with_scale
 from thermo.app._cameras import cameras_of
 from thermo.app._configuration import number
 from thermo.app._recorded import files_of, frames_of, radiometry_of, stated_of
@@ -37,6 +38,7 @@ def register(settings: Mapping[str, Any]) -> None:
     scene, surface = stated_scene(settings)
     check_room(settings)
     check_alignment(settings)
+    cloud = cloud_of(settings, surface)
     radiometry = radiometry_of(settings)
     stated, mend = stated_of(settings)
     together = check_number(
@@ -46,6 +48,10 @@ def register(settings: Mapping[str, Any]) -> None:
     count = number(settings["samples"], "count", "samples.", whole=True, above=0)
     files = files_of(settings, views)
     cameras = [view.camera for view in views]
+    brought = None
+    if cloud is not None:
+        brought = to_points(settings, surface, cloud)
+        scene, surface = with_scale(settings, scene, brought), brought.surface
     looks = _looks(settings, surface, cameras)
     print(f"reading {len(files)} recordings", file=sys.stderr)
     read = [
@@ -57,10 +63,11 @@ def register(settings: Mapping[str, Any]) -> None:
         f"{file}: {word}" for file, (_, words) in zip(files, read, strict=True) for word in words
     ]
     told += _order(looks, frames, files)
-    if settings["align"] is not None:
-        surface, words = aligned(settings, surface, cameras, frames, files)
-        looks = _looks(settings, surface, cameras)
-        told += words
+    if settings["align"] is not None and brought is None:
+        brought = to_silhouettes(settings, surface, cameras, frames, files)
+        scene = with_scale(settings, scene, brought)
+        looks = _looks(settings, brought.surface, cameras)
+    told += [] if brought is None else brought.words
     samples = place_samples(looks, count=count)
     if settings["find_lamp_time"]:
         frames, words = on_time(settings, samples, cameras, frames)
@@ -70,8 +77,11 @@ def register(settings: Mapping[str, Any]) -> None:
     run = run_of(settings, recording)
     told += compare_start(run)
     scene = replace(scene, runs=scene.runs | {run.name: run})
-    _write(out, scene, surface if settings["align"] is not None else None)
-    record = write_registration(out, run.name, cameras, samples, coverage(looks), told, settings)
+    _write(out, scene, brought and brought.surface)
+    record = write_registration(
+        out, run.name, cameras, samples, coverage(looks), told, settings,
+        alignment=brought and brought.found,
+    )  # fmt: skip
     print(_table(recording, record, out))
 
 

@@ -24,6 +24,7 @@ from ._optics import Optics
 from ._order import better_order
 from ._pixel_map import PixelMap, depth_at, look
 from ._planck import PlanckConstants
+from ._point_cloud import check_cloud, read_points
 from ._pose import Axes, camera_to_world, looking_at, world_to_camera
 from ._radiometry import (
     apparent_temperature,
@@ -82,6 +83,7 @@ __all__ = [
     "apparent_temperature",
     "better_order",
     "camera_to_world",
+    "check_cloud",
     "check_count",
     "check_frames",
     "colour_bar",
@@ -107,6 +109,7 @@ __all__ = [
     "rays",
     "read_cameras",
     "read_frames",
+    "read_points",
     "read_rig",
     "refined",
     "register_frames",

@@ -11,20 +11,20 @@ from jaxtyping import Float, Int
 from numpy.typing import ArrayLike
 from scipy.spatial import KDTree
 
-from thermo.errors import InputError
 from thermo.mesh import Surface, triangle_normals
-from thermo.observe import check_number, real_array
+from thermo.observe import check_number
 
 from ._align_descend import Descent, Matched, descend
 from ._align_silhouettes import centre_and_size
-from ._align_untold import knowledge
+from ._align_untold import inflation, knowledge
+from ._point_cloud import as_cloud
 from ._similarity import Similarity
 
 _SAMPLES: Final = 50_000
 """Points spread over the surface, about [1]; between them the plane of the triangle counts."""
 
 _SEED: Final = 0
-"""Of these points [1]."""
+"""Of these points, and of those that are drawn [1]."""
 
 _ENOUGH: Final = 1e-6
 """A root mean square change of the distances that ends the descent, over the size [1]."""
@@ -32,8 +32,11 @@ _ENOUGH: Final = 1e-6
 _FLOOR: Final = 1e-5
 """What distances are off by at least, over the size [1]."""
 
-_LEAST: Final = 12
-"""Fewest points [1]."""
+_ALIKE: Final = 0.1
+"""Distances of points this near each other may be off alike, over the size [1]."""
+
+_MOST: Final = 20_000
+"""Points that are matched at the most; of more, as many drawn at random [1]."""
 
 
 @final
@@ -79,13 +82,16 @@ def align_to_points(
     *,
     scale: bool = False,
     error: float = 0.01,
+    where: str = "points",
 ) -> PointAlignment:
     """Turn, shift and, where asked for, scale a surface until it meets a cloud of points.
 
     Each point is matched with the nearest point of the surface; residuals are the distances from
     that one's plane, n (p - q) [m]. Damped Gauss-Newton steps lessen them under Tukey's loss, which
     leaves out points far off, and points are matched anew after each step. The start must be near
-    enough that most points find the right side: some 20 degrees and a tenth of the size.
+    enough that most points find the right side: some 20 degrees and a tenth of the size. Of more
+    than 20 000 points as many are drawn. Neighbours' distances that are off alike count as fewer in
+    the deviations; what all points have in common, such as their scale, is not in them.
 
     Arguments:
 
@@ -93,15 +99,17 @@ def align_to_points(
     - `points`: of the cloud, (points, 3) [m], over a part of the surface or all of it.
     - `guess`: brings the surface to about where the points are; as it stands where left out.
     - `scale`: whether the scale is free too.
-    - `error`: what points may lie off the surface, over the object's size [1]; a fit that leaves
-      more is reported as failed. The size is the diagonal of its box.
+    - `error`: what points may lie off the surface, over the diagonal of its box [1]; a fit that
+      leaves more is reported as failed. `where`: what messages call the points.
 
     Raises `InputError` for fewer than 12 points, and for points that are not finite.
 
     Source: Chen and Medioni, Image and Vision Computing 10 (1992) 145.
     """
     check_number(error, where="error", quantity="distance over the size [1]", above=0.0)
-    cloud = _cloud(points)
+    cloud = as_cloud(points, where=where)
+    if len(cloud) > _MOST:
+        cloud = cloud[np.random.default_rng(_SEED).choice(len(cloud), _MOST, replace=False)]
     start = Similarity() if guess is None else guess
     cover = _cover(surface)
     middle, size = centre_and_size(surface)
@@ -116,11 +124,13 @@ def align_to_points(
 
     enough = _ENOUGH * surface.diagonal() * start.scale
     found = descend(match, start, middle, size, scale=scale, enough=enough)
-    told = knowledge(match, found, middle, size, scale=scale, inflation=1.0)
-    spread = found.matched.spread()
-    inliers = float(np.mean(np.abs(found.matched.residual) < 3 * spread))
-    most = error * surface.diagonal() * found.similarity.scale
-    reason = _failure(found, cloud, most)
+    matched, there = found.matched, surface.diagonal() * found.similarity.scale
+    weighted = matched.weights() * matched.residual
+    alike = inflation([(cloud, weighted)], _ALIKE * there, 6 + scale)
+    told = knowledge(match, found, middle, size, scale=scale, inflation=alike)
+    spread = matched.spread()
+    inliers = float(np.mean(np.abs(matched.residual) < 3 * spread))
+    reason = _failure(found, cloud, error * there)
     return PointAlignment(
         found.similarity, spread, inliers, told.deviation, told.untold,
         not reason, reason or f"converged in {found.steps} steps",
@@ -136,24 +146,6 @@ def _failure(found: Descent, cloud: Float[np.ndarray, "points 3"], most: float) 
         return f"points {spread:.3g} m off the surface, more than {most:.3g} m"
     near = float(np.mean(np.linalg.norm(found.matched.points - cloud, axis=1) < 3 * most))
     return "" if near > 0.5 else f"{near:.0%} of the points near the surface, no more than half"
-
-
-def _cloud(points: object) -> Float[np.ndarray, "points 3"]:
-    cloud = real_array(points, where="points", quantity="points [m]")
-    if cloud.ndim != 2 or cloud.shape[1] != 3 or len(cloud) < _LEAST:
-        raise InputError(
-            "this is no cloud of points", where="points", value=f"shape {cloud.shape}",
-            limit=f"shape (points, 3), at least {_LEAST} points",
-            remedy="give one row of x, y, z in metres a point",
-        )  # fmt: skip
-    bad = np.flatnonzero(~np.isfinite(cloud).all(axis=1))
-    if bad.size:
-        raise InputError(
-            "a point is not finite", where="points",
-            value=f"{bad.size} points, the first is point {bad[0]}: {cloud[bad[0]].tolist()}",
-            limit="finite metres", remedy="drop points without a place",
-        )  # fmt: skip
-    return cloud
 
 
 def _cover(surface: Surface) -> _Cover:

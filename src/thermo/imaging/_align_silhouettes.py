@@ -17,7 +17,7 @@ from thermo.observe import check_number
 
 from ._align_descend import Descent, Matched, descend
 from ._align_rim import Outline, Rim, Sight, outline, rim_of, sight_of
-from ._align_untold import knowledge
+from ._align_untold import inflation, knowledge
 from ._camera import Camera
 from ._silhouette import overlap
 from ._similarity import Similarity
@@ -125,10 +125,10 @@ def align_to_silhouettes(
     found = descend(match, start, middle, size, scale=scale, enough=_ENOUGH)
     rims = [rim_of(body, view.sight, found.similarity) for view in views]
     after = np.array([overlap(v.mask, r.mask) for v, r in zip(views, rims, strict=True)])
-    inflation = _inflation(views, rims, found.matched, 6 + scale)
+    alike = _inflation(views, rims, found.matched, 6 + scale)
     there = found.similarity.apply(middle[None])[0]
     apart = float(np.mean([np.linalg.norm(v.sight.place - there) for v in views]))
-    told = knowledge(match, found, middle, size, scale=scale, inflation=inflation, apart=apart)
+    told = knowledge(match, found, middle, size, scale=scale, inflation=alike, apart=apart)
     residual = float(np.sqrt(np.mean(found.matched.residual**2)))
     reason = _failure(views, found, after, residual, error)
     return Alignment(
@@ -224,23 +224,12 @@ def _off(view: _View, rim: Rim) -> Float[np.ndarray, " rim"]:
 def _inflation(views: Sequence[_View], rims: Sequence[Rim], matched: Matched, free: int) -> float:
     """How many residuals tell as much as one independent one [1].
 
-    c = (1 + 2 sum r_i r_j / sum r_i^2) / (1 - 2 p f / n^2): the products of weighted residuals over
-    all p pairs near each other in a picture, those of rim and mask included, which tell of one
-    piece twice; and what the f free numbers took of the sums over each one's neighbours, 2 p / n.
-
-    Source: Conley, Journal of Econometrics 92 (1999) 1.
+    Residuals of rim and mask tell of one piece of a contour twice.
     """
-    weighted = matched.weights() * matched.residual
-    products, pairs, begin = 0.0, 0, 0
-    for view, rim in zip(views, rims, strict=True):
-        places = np.concatenate([rim.pixels, view.contour])
-        part = weighted[begin : begin + len(places)]
-        begin += len(places)
-        near = KDTree(places).query_pairs(_ALIKE, output_type="ndarray")
-        products += float((part[near[:, 0]] * part[near[:, 1]]).sum())
-        pairs += len(near)
-    alike = 1.0 + 2.0 * products / max(float((weighted**2).sum()), 1e-12)
-    return max(1.0, alike) / max(1.0 - 2 * pairs * free / len(weighted) ** 2, 0.1)
+    places = [np.concatenate([r.pixels, v.contour]) for v, r in zip(views, rims, strict=True)]
+    ends = np.cumsum([len(one) for one in places])[:-1]
+    weighted = np.split(matched.weights() * matched.residual, ends)
+    return inflation(zip(places, weighted, strict=True), _ALIKE, free)
 
 
 def _failure(

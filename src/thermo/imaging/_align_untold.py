@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Final, final
 
 import equinox as eqx
 import numpy as np
 from jaxtyping import Float
+from scipy.spatial import KDTree
 
 from ._align_descend import Descent, Matched, moved
 from ._similarity import Similarity
@@ -102,6 +103,33 @@ def knowledge(
     deviation[:free] = np.sqrt(variance)
     deviation[[0, 1, 2, 6]] /= length
     return Knowledge(deviation, tuple(untold))
+
+
+def inflation(
+    groups: Iterable[tuple[Float[np.ndarray, "residuals axes"], Float[np.ndarray, " residuals"]]],
+    reach: float,
+    free: int,
+) -> float:
+    """How many residuals tell as much as one independent one [1].
+
+    c = (1 + 2 sum r_i r_j / sum r_i^2) / (1 - 2 p f / n^2): the products of weighted residuals over
+    all p pairs near each other, and what the f free numbers took of the sums over each one's
+    neighbours, 2 p / n.
+
+    Arguments: the places of residuals that may be alike, in any unit, and the weighted residuals
+    there; `reach`, how near to each other, in that unit; `free` numbers of the fit.
+
+    Source: Conley, Journal of Econometrics 92 (1999) 1.
+    """
+    products, squares, pairs, count = 0.0, 0.0, 0, 0
+    for places, weighted in groups:
+        near = KDTree(places).query_pairs(reach, output_type="ndarray")
+        products += float((weighted[near[:, 0]] * weighted[near[:, 1]]).sum())
+        squares += float((weighted**2).sum())
+        pairs += len(near)
+        count += len(weighted)
+    alike = 1.0 + 2.0 * products / max(squares, 1e-300)
+    return max(1.0, alike) / max(1.0 - 2 * pairs * free / count**2, 0.1)
 
 
 def _gain(

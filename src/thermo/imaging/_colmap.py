@@ -11,6 +11,7 @@ from thermo.errors import InputError
 from thermo.observe import check_number
 
 from ._camera import Camera
+from ._distortion import unknown_lens
 from ._view import View
 
 _HALF: Final = 0.5
@@ -56,10 +57,7 @@ def read_colmap(folder: Path | str, *, scale: float | int = 1.0) -> tuple[View, 
 def _camera(given: Any, pose: np.ndarray, name: str, where: str) -> Camera:
     model, numbers = given.model.name, np.asarray(given.params, float)
     if model not in _MODELS:
-        raise InputError(
-            "this lens is not known", where=where, value=model, limit=", ".join(_MODELS),
-            remedy="rectify the pictures first with COLMAP's image_undistorter",
-        )  # fmt: skip
+        raise unknown_lens(where, model, ", ".join(_MODELS))
     places, bends = _MODELS[model]
     f_x, f_y, c_x, c_y = numbers[list(places)]
     distortion = np.zeros(5)

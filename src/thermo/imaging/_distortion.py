@@ -7,6 +7,8 @@ from typing import Final
 import numpy as np
 from jaxtyping import Float
 
+from thermo.errors import InputError
+
 _STEPS: Final = 50
 """Newton steps at the most [1]."""
 
@@ -69,3 +71,17 @@ def _parts(
     slope = k1 + square * (2 * k2 + 3 * square * k3)
     tangent = (2 * p1 * x * y + p2 * (square + 2 * x**2), p1 * (square + 2 * y**2) + 2 * p2 * x * y)
     return radial, slope, tangent
+
+
+def unknown_lens(where: str, model: str, limit: str, *, fisheye: bool = False) -> InputError:
+    """The error for a lens that these coefficients do not hold.
+
+    Arguments: `where` it is stated; its `model`; the `limit`, models that are known; whether it is
+    a `fisheye`, whose angles and not their tangents are bent.
+    """
+    remedy = "rectify pictures and calibration first, for example with COLMAP's image_undistorter"
+    what = "this lens is not known"
+    if fisheye or "FISHEYE" in model.upper():
+        what = "this lens is a fisheye"
+        remedy += ", frames of a thermal camera with OpenCV's fisheye.undistortImage"
+    return InputError(what, where=where, value=model, limit=limit, remedy=remedy)

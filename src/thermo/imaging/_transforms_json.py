@@ -13,6 +13,7 @@ from thermo.errors import InputError
 from thermo.observe import check_number, real_array
 
 from ._camera import Camera
+from ._distortion import unknown_lens
 from ._json_file import read_table, write_table
 from ._pose import Axes, camera_to_world, checked_pose, world_to_camera
 from ._view import View
@@ -130,13 +131,13 @@ def _view(
 
 
 def _calibrated(known: Mapping[str, Any], pose: np.ndarray, file: str, where: str) -> Camera:
-    model = known.get("camera_model", "OPENCV")
-    bent = known.get("k4", 0.0)
-    if model not in _MODELS or bent:
-        raise InputError(
-            "this lens is not known", where=f"{where}: camera_model",
-            value=f"{model}, with k4 {bent}", limit=f"{', '.join(_MODELS)}, with k4 0",
-            remedy="rectify the pictures first, for example with COLMAP's image_undistorter",
+    model, bent = str(known.get("camera_model", "OPENCV")), known.get("k4", 0.0)
+    fisheye = bool(known.get("is_fisheye", False))
+    if model not in _MODELS or bent or fisheye:
+        more = (f", with k4 {bent}" if bent else "") + (", with is_fisheye" if fisheye else "")
+        raise unknown_lens(
+            f"{where}: camera_model", model + more, f"{', '.join(_MODELS)}, with k4 0",
+            fisheye=fisheye,
         )  # fmt: skip
     size = _whole(known, "w", where), _whole(known, "h", where)
     across = known.get("camera_angle_x")

@@ -12,7 +12,7 @@ from ._binding import bind
 from ._box import Box
 from ._camera_noise import with_camera_noise
 from ._course import Course
-from ._csv_table import TIME, csv_lines, read_table
+from ._csv_table import LENGTH, TIME, csv_lines, read_table
 from ._distance import check_distance
 from ._heater import Heater
 from ._kelvin import COLDEST, HOTTEST, check_kelvin
@@ -34,6 +34,7 @@ __all__ = [
     "COLDEST",
     "FORMAT",
     "HOTTEST",
+    "LENGTH",
     "QUANTITIES",
     "TIME",
     "Box",

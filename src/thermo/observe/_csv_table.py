@@ -26,6 +26,7 @@ LENGTH: Final[Units] = {
     "m": (1.0, 0.0), "cm": (1e-2, 0.0), "mm": (1e-3, 0.0), "inch": (0.0254, 0.0),
     "in": (0.0254, 0.0),
 }  # fmt: skip
+"""Units of length, what to multiply and to add for metres [m]."""
 TEMPERATURE: Final[Units] = {
     "k": (1.0, 0.0), "c": (1.0, 273.15), "degc": (1.0, 273.15), "°c": (1.0, 273.15),
     "f": (5 / 9, 273.15 - 160 / 9), "degf": (5 / 9, 273.15 - 160 / 9),
@@ -180,7 +181,7 @@ def _check_header(path: Path, header: tuple[str, ...]) -> None:
     raise InputError(
         "no header", where=str(path), value=", ".join(header[:6]),
         limit="column names in the first line",
-        remedy="add a first line such as `time,x,y,z,temperature`",
+        remedy="add a first line such as `time,x,y,z,temperature`, or `x,y,z` where points stand",
     )  # fmt: skip
 
 

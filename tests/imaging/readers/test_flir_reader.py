@@ -1,14 +1,26 @@
-"""Radiometric JPEG of FLIR, built byte by byte."""
+"""Radiometric JPEG of FLIR: bytes, temperatures, and what is refused."""
 
 from __future__ import annotations
 
-import io
 import math
-import struct
 from pathlib import Path
 
 import numpy as np
 import pytest
+from flir_pictures import (
+    AIR,
+    ALPHA,
+    BETA,
+    MIXTURE,
+    OFFSET,
+    R1,
+    R2,
+    WINDOW,
+    B,
+    F,
+    radiometric,
+    signal,
+)
 from PIL import Image
 
 from thermo.errors import InputError
@@ -16,55 +28,6 @@ from thermo.imaging import read_frames
 from thermo.imaging.readers import FlirReader, Stated
 
 READER = FlirReader()
-R1, R2, B, F, OFFSET = 16000.0, 0.0125, 1430.0, 1.0, -7000
-
-
-def signal(kelvin: np.ndarray | float) -> np.ndarray:
-    """Planck's law as FLIR's cameras have it [1]."""
-    return R1 / (R2 * (np.exp(B / np.asarray(kelvin)) - F)) - OFFSET
-
-
-def camera_info(emissivity: float, reflected: float, planck_b: float) -> bytes:
-    info = bytearray(900)
-    struct.pack_into("<6f", info, 32, emissivity, 0.0, reflected, 293.15, 293.15, 1.0)
-    struct.pack_into("<f", info, 60, 0.5)
-    struct.pack_into("<3f", info, 88, R1, planck_b, F)
-    struct.pack_into("<5f", info, 112, 0.0066, 0.0126, -0.0023, -0.0067, 1.9)
-    struct.pack_into("<if", info, 776, OFFSET, R2)
-    return bytes(info)
-
-
-def radiometric(
-    raw: np.ndarray,
-    date: str | None = None,
-    part: str | None = None,
-    *,
-    emissivity: float = 1.0,
-    reflected: float = 293.15,
-    planck_b: float = B,
-    maker: str = "FLIR Systems",
-) -> bytes:
-    rows, columns = raw.shape
-    info = camera_info(emissivity, reflected, planck_b)
-    pixels = struct.pack("<3H", 2, columns, rows).ljust(32, b"\0") + raw.astype("<u2").tobytes()
-    start = 64 + 32 * 8
-    entries = b""
-    for kind, offset, length in ((1, start, len(pixels)), (32, start + len(pixels), len(info))):
-        entries += struct.pack(">HHIIII", kind, 2, 100, 1, offset, length).ljust(32, b"\0")
-    head = b"FFF\0" + b"\0" * 16 + struct.pack(">3I", 100, 64, 8)
-    data = head.ljust(64, b"\0") + entries.ljust(32 * 8, b"\0") + pixels + info
-    app1 = b"FLIR\0\x01\0\0" + data
-    segment = b"\xff\xe1" + struct.pack(">H", len(app1) + 2) + app1
-    exif = Image.Exif()
-    exif[0x010F] = maker
-    if date is not None:
-        exif.get_ifd(0x8769)[0x9003] = date
-    if part is not None:
-        exif.get_ifd(0x8769)[0x9291] = part
-    stream = io.BytesIO()
-    Image.fromarray(np.zeros((64, 64, 3), np.uint8)).save(stream, "JPEG", exif=exif)
-    jpeg = stream.getvalue()
-    return jpeg[:2] + segment + jpeg[2:]
 
 
 def flir_data_last(jpeg: bytes) -> bytes:
@@ -93,6 +56,54 @@ def test_emissivity_and_reflected_temperature_of_the_file(tmp_path: Path) -> Non
     path = tmp_path / "one.jpg"
     path.write_bytes(radiometric(np.round(seen), emissivity=0.8, reflected=310.0))
     np.testing.assert_allclose(READER.read(path, Stated()).values[0], KELVIN, atol=0.03)
+
+
+@pytest.mark.parametrize("humidity", [0.4, 40.0])
+def test_air_and_window_of_the_file(tmp_path: Path, humidity: float) -> None:
+    # 40 % of the water that air holds at 30 C, 30.4 g/m3 by tables; the formula's is near that.
+    wet = math.sqrt(0.4 * math.exp(1.5587 + 0.06939 * 30 - 2.7816e-4 * 900 + 6.8455e-7 * 27000))
+    assert wet**2 == pytest.approx(0.4 * 30.4, rel=0.02)
+    passed = [math.exp(-3.0 * (a + b * wet)) for a, b in zip(ALPHA, BETA, strict=True)]
+    air = MIXTURE * passed[0] + (1 - MIXTURE) * passed[1]
+    assert 0.9 < air < 0.99
+    seen = 0.9 * (air * signal(KELVIN) + (1 - air) * signal(AIR)) + 0.1 * signal(WINDOW)
+    path = tmp_path / "one.jpg"
+    told = {"distance": 9.0, "humidity": humidity, "window": 0.9}
+    path.write_bytes(radiometric(np.round(seen), **told))
+    np.testing.assert_allclose(READER.read(path, Stated()).values[0], KELVIN, atol=0.03)
+
+
+@pytest.mark.parametrize("png", [False, True])
+@pytest.mark.parametrize("order", ["<", ">"])
+def test_both_orders_of_bytes_in_numbers_and_in_png(tmp_path: Path, order: str, png: bool) -> None:
+    raw = np.round(signal(KELVIN))
+    path = tmp_path / "one.jpg"
+    path.write_bytes(radiometric(raw, order=order, png=png, emissivity=0.9))
+    np.testing.assert_array_equal(READER.read(path, Stated(unit="counts")).values[0], raw)
+    truth = signal(293.15) + (raw - signal(293.15)) / 0.9
+    kelvin = B / np.log(R1 / (R2 * (truth + OFFSET)) + F)
+    np.testing.assert_allclose(READER.read(path, Stated()).values[0], kelvin, atol=1e-3)
+
+
+def test_temperatures_beyond_the_camera_s_range_are_missing(tmp_path: Path) -> None:
+    path = tmp_path / "one.jpg"
+    path.write_bytes(radiometric(np.round(signal(KELVIN)), limits=(330.0, 290.0)))
+    frames = READER.read(path, Stated())
+    inside = (KELVIN > 290.0) & (KELVIN < 330.0)
+    assert 0.5 < inside.mean() < 0.9
+    np.testing.assert_array_equal(np.isfinite(frames.values[0]), inside)
+    np.testing.assert_array_equal(frames.valid[0], inside)
+
+
+def test_data_in_several_segments_in_any_order(tmp_path: Path) -> None:
+    raw = np.round(signal(KELVIN))
+    path = tmp_path / "one.jpg"
+    path.write_bytes(radiometric(raw, parts=(2, 0, 1), of=3))
+    np.testing.assert_array_equal(READER.read(path, Stated(unit="counts")).values[0], raw)
+    for parts, said in (((0, 2), "2 of 3 parts"), ((0, 1, 1, 2), "part 1 of FLIR's data twice")):
+        path.write_bytes(radiometric(raw, parts=parts, of=3))
+        with pytest.raises(InputError, match=said):
+            READER.read(path, Stated())
 
 
 def test_the_signal_as_counts(tmp_path: Path) -> None:
@@ -147,6 +158,9 @@ def test_truncated_files_are_refused(tmp_path: Path, share: float) -> None:
     [
         ({"emissivity": 0.0}, "emissivity = 0"),
         ({"emissivity": 95.0}, "emissivity = 95"),
+        ({"window": 0.0}, "window_transmission = 0"),
+        ({"distance": 1e30}, "transmission of the air = "),
+        ({"distance": 3.0, "humidity": math.inf}, "transmission of the air = nan"),
         ({"planck_b": -1.0}, "planck_b = -1"),
         ({"planck_b": math.nan}, "planck_b = nan"),
     ],
