@@ -19,6 +19,7 @@ from thermo.app._configuration import (
 )
 from thermo.app._scene import scene_of
 from thermo.report import (
+    claimed,
     discovery_record,
     discovery_table,
     require_writable,
@@ -45,14 +46,19 @@ def discover(settings: Mapping[str, Any]) -> None:
     def say(words: str) -> None:
         print(f"{time.monotonic() - begun:5.0f} s  {words}", file=sys.stderr, flush=True)
 
-    found = discovery.discover(scene, **arguments, say=say)
-    record = discovery_record(found)
-    record |= {
-        "object": scene.object,
-        "seconds": time.monotonic() - begun,
-        "configuration": settings,
-    }
-    write_discovery(out, found, record)
+    progress = out / "progress"
+    with claimed(out):
+        if progress.exists():
+            say(f"going on from {progress}")
+        found = discovery.discover(scene, **arguments, checkpoint=progress, say=say)
+        record = discovery_record(found)
+        record |= {
+            "object": scene.object,
+            "seconds": time.monotonic() - begun,
+            "configuration": settings,
+        }
+        write_discovery(out, found, record)
+        discovery.forget(progress)
     told = "\n".join(record["sentences"])
     files = ", ".join(("verdict.json", "verdict.html", "estimate.npz"))
     print(f"{discovery_table(record)}\n\n{told}\n\n{out}: {files}")

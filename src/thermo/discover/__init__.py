@@ -12,6 +12,7 @@ from thermo.discover._candidate import (
 from thermo.discover._discover import discover
 from thermo.discover._effects_file import effects_as_arrays, load_effects
 from thermo.discover._library import Setting, library
+from thermo.discover._memory import forget
 from thermo.discover._misfit import Misfit, Part
 from thermo.discover._registered import registered
 from thermo.discover._trace import Follows, Trace
@@ -37,6 +38,7 @@ __all__ = [
     "Verdict",
     "discover",
     "effects_as_arrays",
+    "forget",
     "library",
     "load_effects",
     "registered",
