@@ -41,7 +41,11 @@ def test_what_is_asked_is_handed_on_and_the_verdict_is_left(
     assert found["effects"] == ["hidden_source"] and found["object"] == "block"
     assert found["configuration"]["runs"] == ["lamp"] and found["seconds"] >= 0
     assert "Missing effect: hidden source" in outcome.out and "meshing" in outcome.err
-    assert outcome.out.rstrip().endswith(f"{out}: verdict.json, verdict.html, estimate.npz")
+    last = outcome.out.rstrip().splitlines()[-3:]
+    assert [line.partition(": ")[0] for line in last] == [
+        str(out / name) for name in ("verdict.json", "verdict.html", "estimate.npz")
+    ]
+    assert all(len(line.partition(": ")[2]) > 10 for line in last)
     assert (out / "verdict.html").stat().st_size > 1e6
 
 
@@ -50,6 +54,8 @@ def test_what_is_asked_is_handed_on_and_the_verdict_is_left(
     [
         (("runs=[nope]",), "nope"),
         (("unknown=[heaviness]",), "heaviness"),
+        (("unknown=[conductivity,heater_power]",), "heater_power"),
+        (("prior.decay=0.1",), "prior"),
         (("model_error=0",), "model_error"),
         (("runs=[test_lamp]",), "test_lamp"),
     ],
@@ -60,7 +66,7 @@ def test_bad_settings_are_refused_before_any_work(
     out = tmp_path / "nothing"
     outcome = command("discover", f"data={block}", f"out={out}", *words)
     assert outcome.code == 2 and named in outcome.err and "remedy" in outcome.err.lower()
-    assert not (out / "verdict.json").exists()
+    assert "meshing" not in outcome.err and not (out / "verdict.json").exists()
 
 
 def test_what_is_finished_stays_after_a_stop_and_goes_once_the_verdict_is_left(

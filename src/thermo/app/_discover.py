@@ -6,12 +6,11 @@ import sys
 import time
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from thermo import discover as discovery
 from thermo.app._configuration import (
     build_meshing,
-    build_prior,
     build_stepping,
     given,
     names,
@@ -26,6 +25,12 @@ from thermo.report import (
     write_discovery,
 )
 
+_LEFT: Final = {
+    "verdict.json": "every number",
+    "verdict.html": "the same drawn, one page",
+    "estimate.npz": "the model with what was found, for thermo predict",
+}
+
 
 def discover(settings: Mapping[str, Any]) -> None:
     """Search for what is missing, and leave `verdict.json` and a page rendered from it."""
@@ -34,7 +39,6 @@ def discover(settings: Mapping[str, Any]) -> None:
     arguments = {
         "runs": names(settings["runs"], "runs"),
         "unknown": names(settings["unknown"], "unknown"),
-        "prior": build_prior(settings["prior"]),
         "stepping": build_stepping(settings["integrator"]),
         "meshing": build_meshing(settings["mesh"]),
         "initial": given(settings["initial"], "initial."),
@@ -60,5 +64,5 @@ def discover(settings: Mapping[str, Any]) -> None:
         write_discovery(out, found, record)
         discovery.forget(progress)
     told = "\n".join(record["sentences"])
-    files = ", ".join(("verdict.json", "verdict.html", "estimate.npz"))
-    print(f"{discovery_table(record)}\n\n{told}\n\n{out}: {files}")
+    files = "\n".join(f"{out / name}: {held}" for name, held in _LEFT.items())
+    print(f"{discovery_table(record)}\n\n{told}\n\n{files}")

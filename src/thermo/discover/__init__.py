@@ -15,6 +15,7 @@ from thermo.discover._library import Setting, library
 from thermo.discover._memory import forget
 from thermo.discover._misfit import Misfit, Part
 from thermo.discover._registered import registered
+from thermo.discover._stated_otherwise import stated_otherwise
 from thermo.discover._trace import Follows, Trace
 from thermo.discover._verdict import Candidacy, Effect, HeldOut, Round, Verdict
 
@@ -42,4 +43,5 @@ __all__ = [
     "library",
     "load_effects",
     "registered",
+    "stated_otherwise",
 ]
