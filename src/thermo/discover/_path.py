@@ -116,8 +116,14 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace) -> SearchPa
 
 def calibrated(begun: Standing, table: ScoreTable) -> Calibration:
     """How often the stated model's alarm would be false, by simulation [1]."""
-    free, runs = projection(begun.ended.slopes), begun.allowed.runs
-    return calibration(table, free, runs, shapes=_BY_SHAPES)
+    follows = table, projection(begun.ended.slopes), begun.allowed.runs
+
+    def anew() -> list[np.ndarray]:
+        made = calibration(*follows, shapes=_BY_SHAPES)
+        return [made.largest, np.array([made.by_score, made.by_shapes, made.either])]
+
+    kept = begun.bench.memory.recalled("calibration", (*follows, _BY_SHAPES), anew)
+    return Calibration(kept[0], *map(float, kept[1]))
 
 
 def on_small_cells(
