@@ -6,10 +6,13 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from verdicts import verdict
 
 from thermo.app import _discover
+from thermo.discover._memory import Memory
+from thermo.report import claimed
 
 from .conftest import Command
 
@@ -38,7 +41,11 @@ def test_what_is_asked_is_handed_on_and_the_verdict_is_left(
     assert found["effects"] == ["hidden_source"] and found["object"] == "block"
     assert found["configuration"]["runs"] == ["lamp"] and found["seconds"] >= 0
     assert "Missing effect: hidden source" in outcome.out and "meshing" in outcome.err
-    assert outcome.out.rstrip().endswith(f"{out}: verdict.json, verdict.html, estimate.npz")
+    last = outcome.out.rstrip().splitlines()[-3:]
+    assert [line.partition(": ")[0] for line in last] == [
+        str(out / name) for name in ("verdict.json", "verdict.html", "estimate.npz")
+    ]
+    assert all(len(line.partition(": ")[2]) > 10 for line in last)
     assert (out / "verdict.html").stat().st_size > 1e6
 
 
@@ -47,6 +54,8 @@ def test_what_is_asked_is_handed_on_and_the_verdict_is_left(
     [
         (("runs=[nope]",), "nope"),
         (("unknown=[heaviness]",), "heaviness"),
+        (("unknown=[conductivity,heater_power]",), "heater_power"),
+        (("prior.decay=0.1",), "prior"),
         (("model_error=0",), "model_error"),
         (("runs=[test_lamp]",), "test_lamp"),
     ],
@@ -57,15 +66,40 @@ def test_bad_settings_are_refused_before_any_work(
     out = tmp_path / "nothing"
     outcome = command("discover", f"data={block}", f"out={out}", *words)
     assert outcome.code == 2 and named in outcome.err and "remedy" in outcome.err.lower()
-    assert not (out / "verdict.json").exists()
+    assert "meshing" not in outcome.err and not (out / "verdict.json").exists()
 
 
-def test_a_stopped_search_does_not_promise_to_go_on(
+def test_what_is_finished_stays_after_a_stop_and_goes_once_the_verdict_is_left(
     command: Command, block: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def stop(*_: Any, **__: Any) -> Any:
-        raise KeyboardInterrupt
+    out, asked, stops = tmp_path / "out", list[Path](), iter([True, False])
 
-    monkeypatch.setattr(_discover.discovery, "discover", stop)
-    outcome = command("discover", f"data={block}", f"out={tmp_path / 'out'}")
-    assert outcome.code == 130 and "the same command begins anew" in outcome.err
+    def search(*_: Any, **words: Any) -> Any:
+        asked.append(words["checkpoint"])
+        Memory(words["checkpoint"]).recalled("fit", 1.5, lambda: [np.ones(3)])
+        if next(stops):
+            raise KeyboardInterrupt
+        return verdict("named")
+
+    monkeypatch.setattr(_discover.discovery, "discover", search)
+    outcome = command("discover", f"data={block}", f"out={out}")
+    assert outcome.code == 130 and "the same command goes on from there" in outcome.err
+    assert [one.name for one in out.iterdir()] == ["progress"] and asked == [out / "progress"]
+    outcome = command("discover", f"data={block}", f"out={out}")
+    assert outcome.code == 0 and f"going on from {out / 'progress'}" in outcome.err
+    assert sorted(one.name for one in out.iterdir()) == [
+        "estimate.npz", "verdict.html", "verdict.json",
+    ]  # fmt: skip
+
+
+def test_two_searches_into_one_folder_are_kept_apart(
+    command: Command, block: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(_discover.discovery, "discover", lambda *_, **__: verdict("named"))
+    out = tmp_path / "out"
+    out.mkdir()
+    with claimed(out):
+        outcome = command("discover", f"data={block}", f"out={out}")
+    assert outcome.code == 2 and "another process works in this folder" in outcome.err
+    assert str(out) in outcome.err and list(out.iterdir()) == []
+    assert command("discover", f"data={block}", f"out={out}").code == 0

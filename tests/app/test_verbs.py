@@ -111,7 +111,7 @@ def test_predict_scores_the_held_out_run(
     temperature = check_recording(out, "test_lamp")
     check_series(out, "test_lamp")
     check_figures(out, ["curves_test_lamp.png", "residual_test_lamp.png"])
-    assert result(out)["effects"] == []
+    assert result(out)["effects"] == result(out)["remarks"] == []
     scores = result(out)["scores"]
     assert set(scores) == {"test_lamp"} and set(scores["test_lamp"]) == {"spatial", "median"}
     with np.load(block / "test_lamp.npz", allow_pickle=False) as stored:

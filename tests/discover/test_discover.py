@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import ClassVar, final
+from typing import Any, ClassVar, final
 
 import jax.numpy as jnp
 import numpy as np
@@ -19,7 +21,11 @@ from thermo.discover import (
     Place,
     Setting,
     Verdict,
+    _bench,
+    _path,
+    _search,
     discover,
+    forget,
     load_effects,
 )
 from thermo.discover.candidates import HeaterPower, HiddenSource
@@ -79,8 +85,31 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> Scene:
     return replace(found, runs=runs)
 
 
-def asked(scene: Scene) -> Verdict:
-    return discover(scene, candidates=few, meshing=MESHING, stepping=STEPPING, model_error=0.01)
+@pytest.fixture(scope="module")
+def weak(scene: Scene) -> Scene:
+    """The scene with lamps that are said to be weaker than they are."""
+    runs = dict(scene.runs)
+    for name, run in scene.runs.items():
+        if run.heater is not None:
+            runs[name] = replace(run, heater=replace(run.heater, power=0.8 * run.heater.power))
+    return replace(scene, runs=runs)
+
+
+@pytest.fixture(scope="module")
+def named(weak: Scene) -> Verdict:
+    return asked(weak)
+
+
+def asked(
+    scene: Scene,
+    checkpoint: Path | None = None,
+    say: Callable[[str], None] = lambda words: None,
+    error: float = 0.01,
+) -> Verdict:
+    return discover(
+        scene, candidates=few, meshing=MESHING, stepping=STEPPING, model_error=error,
+        checkpoint=checkpoint, say=say,
+    )  # fmt: skip
 
 
 def test_where_nothing_is_missing_nothing_is_named(scene: Scene) -> None:
@@ -101,13 +130,9 @@ def test_where_nothing_is_missing_nothing_is_named(scene: Scene) -> None:
 
 
 def test_a_lamp_of_another_power_is_named_by_how_much_it_is_off(
-    scene: Scene, tmp_path: Path
+    scene: Scene, weak: Scene, named: Verdict, tmp_path: Path
 ) -> None:
-    runs = dict(scene.runs)
-    for name, run in scene.runs.items():
-        if run.heater is not None:
-            runs[name] = replace(run, heater=replace(run.heater, power=0.8 * run.heater.power))
-    found = asked(replace(scene, runs=runs))
+    found = named
     assert found.verdict == "named" and found.effects() == ["heater_power"]
     (one,) = found.rounds
     assert one.together == ["heater_power"] and one.p_value < 1e-6 and one.closed > 0.9
@@ -125,7 +150,6 @@ def test_a_lamp_of_another_power_is_named_by_how_much_it_is_off(
     write_discovery(tmp_path, found, discovery_record(found) | {"object": "block", "seconds": 1.0})
     added = load_effects(tmp_path, scene, few)
     assert [one.card.name for one in added] == ["heater_power"]
-    weak = replace(scene, runs=runs)
     # Finer than a fit's, whose cells are wrong by half the noise.
     fine = Meshing(max_nodes=6000)
     again = predict(weak, tmp_path, meshing=fine, additions=added)["test_lamp"]
@@ -134,6 +158,80 @@ def test_a_lamp_of_another_power_is_named_by_how_much_it_is_off(
     assert bare.scores["spatial"].rmse > 2 * proof.rms_after
     for name, run in found.extended.runs.items():
         assert run.rmse == pytest.approx(one.rms_after[name])
+
+
+@contextmanager
+def counted() -> Iterator[list[str]]:
+    """The names of all long pieces of work that are done within."""
+    done: list[str] = []
+
+    def counting(name: str, work: Callable[..., Any]) -> Callable[..., Any]:
+        def counted(*words: Any, **more: Any) -> Any:
+            made = work(*words, **more)
+            done.append(name)
+            return made
+
+        return counted
+
+    with pytest.MonkeyPatch.context() as patch:
+        for room, name in [
+            (_search, "descend"), (_search, "signatures"), (_bench, "finer_readings"),
+            (_bench, "readings"), (_path, "calibration"),
+        ]:  # fmt: skip
+            patch.setattr(room, name, counting(name, getattr(room, name)))
+        yield done
+
+
+class Stopped(Exception):
+    """By a person, say."""
+
+
+def test_an_interrupted_search_goes_on_to_the_same_verdict(
+    weak: Scene, named: Verdict, tmp_path: Path
+) -> None:
+    folder, told = tmp_path / "progress", discovery_record(named)
+    said: list[str] = []
+
+    def stop(words: str) -> None:
+        said.append(words)
+        if words.startswith("measuring the cells' error"):
+            raise Stopped
+
+    with counted() as before, pytest.raises(Stopped):
+        asked(weak, folder, stop)
+    with counted() as after:
+        assert discovery_record(asked(weak, folder, said.append)) == told
+    with counted() as none:
+        again = asked(weak, folder)
+    assert none == [] and discovery_record(again) == told
+    for name, run in named.extended.runs.items():
+        assert again.extended.runs[name].simulated.tobytes() == run.simulated.tobytes()
+    # Nothing is done twice, and nothing is left out.
+    with counted() as whole:
+        asked(weak, tmp_path / "other")
+    assert sorted(before + after) == sorted(whole)
+    assert set(before) == set(whole) - {"calibration"} and after.count("calibration") == 1
+    assert 0 < before.count("descend") < whole.count("descend")
+    assert any("left in this round" in words for words in said)
+
+    # One that is damaged is made anew, and no other.
+    file = next(folder.glob("fit-*"))
+    file.write_bytes(file.read_bytes()[:-100])
+    with counted() as mended:
+        assert discovery_record(asked(weak, folder)) == told
+    assert mended == ["descend"]
+    forget(folder)
+    assert not folder.exists()
+
+
+def test_what_another_question_left_is_not_taken(
+    scene: Scene, weak: Scene, named: Verdict, tmp_path: Path
+) -> None:
+    asked(scene, tmp_path)
+    with counted() as done:
+        found = asked(weak, tmp_path)
+    assert discovery_record(found) == discovery_record(named)
+    assert "descend" in done and "signatures" in done and "finer_readings" in done
 
 
 def test_two_effects_are_both_named_and_their_strengths_are_those_of_one_fit(scene: Scene) -> None:

@@ -16,6 +16,7 @@ from thermo.discover import Calibration, Place, Round, _path
 from thermo.discover._bench import Bench
 from thermo.discover._entries import Entry
 from thermo.discover._extended import Extended
+from thermo.discover._pace import silent
 from thermo.discover._path import SearchPath, search
 from thermo.discover._scores import Score, ScoreTable
 from thermo.discover.candidates import CameraDrift, HiddenSource
@@ -59,7 +60,7 @@ def searched(
     }
     for name, fake in fakes.items():
         monkeypatch.setattr(_path, name, fake)
-    return search(standings[0], (), lambda _: None)
+    return search(standings[0], (), silent())
 
 
 def test_an_effect_that_may_be_nothing_is_not_named_where_nothing_else_is_left(
@@ -123,7 +124,7 @@ def pruned_to(
     for name, fake in fakes.items():
         monkeypatch.setattr(_path, name, fake)
     remarks: list[str] = []
-    last, kept = _path.pruned(now, rounds, 9.0, lambda _: None, remarks)
+    last, kept = _path.pruned(now, rounds, 9.0, silent(), remarks)
     assert len(last.active) == len(kept)
     return kept, remarks
 
@@ -187,7 +188,7 @@ def small_cells(
         monkeypatch.setattr(_path, name, fake)
     remarks: list[str] = []
     _, rounds = _path.on_small_cells(
-        now, [found(0.1, 0.5, 0.7)], began, standing(900.0, 1, 600.0), remarks
+        now, [found(0.1, 0.5, 0.7)], began, standing(900.0, 1, 600.0), silent(), remarks
     )  # fmt: skip
     if remarks:
         assert rounds[0].rms_after == {"lamp": 0.05}

@@ -12,6 +12,7 @@ from standings import VALUES, standing
 from thermo.discover import _search as module
 from thermo.discover._candidate import Card
 from thermo.discover._entries import Entry
+from thermo.discover._pace import silent
 from thermo.discover._rounds import evidence, share_closed, simplest_first, together
 from thermo.discover._scores import Score, ScoreTable
 from thermo.discover._search import (
@@ -160,7 +161,7 @@ def test_the_search_leaves_what_could_not_reach_the_best(monkeypatch: pytest.Mon
     monkeypatch.setattr(module, "_measured_anew", lambda _, made, __: made)
     table = ScoreTable(scores, [], 3.0, np.eye(3), np.zeros((VALUES, 3)))
     # Of 80 squares the best leaves 2; a score of 6 might close them all, one of 3.5 only 61.
-    assert names(refits(begun, table, (), lambda _: None)) == fitted == ["best", "near"]
+    assert names(refits(begun, table, (), silent())) == fitted == ["best", "near"]
 
 
 def test_where_all_there_is_stands_at_work_nothing_is_scored() -> None:

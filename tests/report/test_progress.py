@@ -5,7 +5,6 @@ import io
 import pytest
 
 from thermo.report import Progress
-from thermo.report._progress import duration
 
 
 class Terminal(io.StringIO):
@@ -82,11 +81,3 @@ def test_nothing_is_shown_without_a_step() -> None:
     with Progress("fit", 3, stream):
         pass
     assert stream.getvalue() == ""
-
-
-@pytest.mark.parametrize(
-    ("seconds", "text"),
-    [(0.2, "0 s"), (59.4, "59 s"), (59.6, "1 min 00 s"), (125, "2 min 05 s"), (3720, "1 h 02 min")],
-)
-def test_durations(seconds: float, text: str) -> None:
-    assert duration(seconds) == text

@@ -43,7 +43,7 @@ def test_each_run_leaves_its_files_and_its_page(tmp_path: Path) -> None:
     )
     runs = {"lamp": predicted(0.5), "cooling": predicted(-0.25)}
     record = write_predictions(
-        tmp_path, "predict", runs, {"note": 1}, 2.5, ["tilt"],
+        tmp_path, "predict", runs, {"note": 1}, 2.5, ["tilt"], ["Mind this."],
         mesh=BLOCK, fields={field.name: field},
     )  # fmt: skip
     assert {path.name for path in tmp_path.iterdir()} == {
@@ -70,6 +70,7 @@ def test_each_run_leaves_its_files_and_its_page(tmp_path: Path) -> None:
     assert record == json.loads((tmp_path / "result.json").read_text("utf-8"))
     assert record["scores"]["lamp"]["median"] == {"mae": 1.0, "rmse": 2.0, "max": 3.0}
     assert (record["verb"], record["seconds"], record["effects"]) == ("predict", 2.5, ["tilt"])
+    assert record["remarks"] == ["Mind this."]
 
 
 def test_a_simulation_has_no_fields(tmp_path: Path) -> None:
@@ -77,6 +78,6 @@ def test_a_simulation_has_no_fields(tmp_path: Path) -> None:
     assert [one["name"] for one in page(tmp_path / "lamp.html")["layers"]] == [
         "temperature", "residual",
     ]  # fmt: skip
-    assert record["verb"] == "simulate" and record["effects"] == []
+    assert record["verb"] == "simulate" and record["effects"] == record["remarks"] == []
     table = prediction_table(record)
     assert re.search(r"lamp\s+spatial\s+0\.1\s+0\.2\s+0\.5", table), table

@@ -40,7 +40,7 @@ VERBS: Mapping[str, Callable[[Mapping[str, Any]], None]] = {
     "study": _verbs.study,
 }
 
-RESUMED = ("invert", "reconstruct", "render", "study")
+RESUMED = ("discover", "invert", "reconstruct", "render", "study")
 """Verbs that go on where they were stopped."""
 
 STUDIES = ("paper",)

@@ -6,12 +6,11 @@ import sys
 import time
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from thermo import discover as discovery
 from thermo.app._configuration import (
     build_meshing,
-    build_prior,
     build_stepping,
     given,
     names,
@@ -19,11 +18,18 @@ from thermo.app._configuration import (
 )
 from thermo.app._scene import scene_of
 from thermo.report import (
+    claimed,
     discovery_record,
     discovery_table,
     require_writable,
     write_discovery,
 )
+
+_LEFT: Final = {
+    "verdict.json": "every number",
+    "verdict.html": "the same drawn, one page",
+    "estimate.npz": "the model with what was found, for thermo predict",
+}
 
 
 def discover(settings: Mapping[str, Any]) -> None:
@@ -33,7 +39,6 @@ def discover(settings: Mapping[str, Any]) -> None:
     arguments = {
         "runs": names(settings["runs"], "runs"),
         "unknown": names(settings["unknown"], "unknown"),
-        "prior": build_prior(settings["prior"]),
         "stepping": build_stepping(settings["integrator"]),
         "meshing": build_meshing(settings["mesh"]),
         "initial": given(settings["initial"], "initial."),
@@ -45,14 +50,19 @@ def discover(settings: Mapping[str, Any]) -> None:
     def say(words: str) -> None:
         print(f"{time.monotonic() - begun:5.0f} s  {words}", file=sys.stderr, flush=True)
 
-    found = discovery.discover(scene, **arguments, say=say)
-    record = discovery_record(found)
-    record |= {
-        "object": scene.object,
-        "seconds": time.monotonic() - begun,
-        "configuration": settings,
-    }
-    write_discovery(out, found, record)
+    progress = out / "progress"
+    with claimed(out):
+        if progress.exists():
+            say(f"going on from {progress}")
+        found = discovery.discover(scene, **arguments, checkpoint=progress, say=say)
+        record = discovery_record(found)
+        record |= {
+            "object": scene.object,
+            "seconds": time.monotonic() - begun,
+            "configuration": settings,
+        }
+        write_discovery(out, found, record)
+        discovery.forget(progress)
     told = "\n".join(record["sentences"])
-    files = ", ".join(("verdict.json", "verdict.html", "estimate.npz"))
-    print(f"{discovery_table(record)}\n\n{told}\n\n{out}: {files}")
+    files = "\n".join(f"{out / name}: {held}" for name, held in _LEFT.items())
+    print(f"{discovery_table(record)}\n\n{told}\n\n{files}")

@@ -22,7 +22,7 @@ from thermo.app._configuration import (
     stages,
 )
 from thermo.app._scene import scene_of
-from thermo.discover import load_effects
+from thermo.discover import load_effects, stated_otherwise
 from thermo.observe import read_scene
 from thermo.report import (
     Progress,
@@ -111,10 +111,13 @@ def predict(settings: Configuration) -> None:
     seconds = time.monotonic() - begun
     taken = [one.card.name for one in effects or ()]
     mesh, _, _, fields = inverse.load_estimate(estimate / "estimate.npz")
+    remarks = stated_otherwise(estimate, scene)
     record = write_predictions(
-        out, "predict", predictions, settings, seconds, taken, mesh=mesh, fields=fields
+        out, "predict", predictions, settings, seconds, taken, remarks, mesh=mesh, fields=fields
     )
-    print(f"{prediction_table(record)}\n\n{out / 'result.json'}, {seconds:.0f} s")
+    beside = f"\nEffects beside the stated ones: {', '.join(taken)}." if taken else ""
+    told = beside + "".join(f"\n{remark}" for remark in remarks)
+    print(f"{prediction_table(record)}\n{told}\n{out / 'result.json'}, {seconds:.0f} s")
 
 
 def study(settings: Configuration) -> None:

@@ -12,8 +12,10 @@ from thermo.discover._candidate import (
 from thermo.discover._discover import discover
 from thermo.discover._effects_file import effects_as_arrays, load_effects
 from thermo.discover._library import Setting, library
+from thermo.discover._memory import forget
 from thermo.discover._misfit import Misfit, Part
 from thermo.discover._registered import registered
+from thermo.discover._stated_otherwise import stated_otherwise
 from thermo.discover._trace import Follows, Trace
 from thermo.discover._verdict import Candidacy, Effect, HeldOut, Round, Verdict
 
@@ -37,7 +39,9 @@ __all__ = [
     "Verdict",
     "discover",
     "effects_as_arrays",
+    "forget",
     "library",
     "load_effects",
     "registered",
+    "stated_otherwise",
 ]

@@ -12,6 +12,7 @@ from jaxtyping import Array, Float
 
 from thermo.discover._candidate import Candidate
 from thermo.discover._extended import Extended, readings
+from thermo.discover._memory import Memory
 from thermo.inverse import (
     FINER,
     Objective,
@@ -34,7 +35,7 @@ from thermo.physics.integrators import Sdirk2
 _SMALLER: Final = 1.6
 
 Apart = list[Float[Array, "runs frames samples"]]
-"""Differences of each group of runs [K]."""
+"""Temperatures of each group of runs, or differences of them [K]."""
 
 
 @final
@@ -44,12 +45,14 @@ class Bench:
 
     - `coarse`: linear cells and few steps, what they make wrong added where it was measured last.
     - `finer`: the mesh [m] that they are measured against.
+    - `memory`: of what was worked out before an interruption.
     """
 
     task: Task
     ready: Ready
     coarse: Objective
     finer: Mesh
+    memory: Memory = Memory()
 
     def first(self, candidates: tuple[Candidate, ...]) -> Extended:
         """The point where the scene puts the fields, its candidates as they are [1]."""
@@ -99,7 +102,8 @@ def corrected(bench: Bench, point: Extended, wanted: Apart) -> Bench:
     if not _at_work(point):
         point = replace(point, candidates=())
     bare = steps_for(with_defects(bench.coarse, none), point)
-    return replace(bench, coarse=with_defects(bench.coarse, _apart(wanted, bare, point)))
+    apart = _apart(bench.memory, wanted, bare, point)
+    return replace(bench, coarse=with_defects(bench.coarse, apart))
 
 
 def usual_errors(bench: Bench, point: Extended, wanted: Apart) -> Apart:
@@ -108,20 +112,29 @@ def usual_errors(bench: Bench, point: Extended, wanted: Apart) -> Apart:
     `wanted`: what `finer_runs` reads at the point, at which no candidate is at work [K].
     """
     usual = make_objective(bench.task, bench.ready, bench.task.meshing.order)
-    return _apart(wanted, usual, replace(point, candidates=()))
+    return _apart(bench.memory, wanted, usual, replace(point, candidates=()))
 
 
-def _apart(wanted: Apart, objective: Objective, point: Extended) -> Apart:
+def read_there(memory: Memory, objective: Objective, point: Extended) -> Apart:
+    """What a point reads in the cases of an objective [K]."""
+    found = memory.recalled(
+        "reading", (objective, point), lambda: map(np.asarray, readings(objective, point))
+    )
+    return [jnp.asarray(one) for one in found]
+
+
+def _apart(memory: Memory, wanted: Apart, objective: Objective, point: Extended) -> Apart:
     """Zero where a run has nothing."""
-    found = readings(objective, point)
+    found = read_there(memory, objective, point)
     return [jnp.nan_to_num(a - b) for a, b in zip(wanted, found, strict=True)]
 
 
 def finer_runs(bench: Bench, point: Extended) -> Apart:
     """What a point reads on the finer mesh [K], laid out as the cases of the bench."""
     # What is absent changes nothing, and a smaller program compiles sooner.
-    made = finer_readings(
-        bench.task, bench.ready, bench.coarse, point.fields, bench.finer, _at_work(point)
+    here, busy = (bench.ready, bench.coarse, point.fields, bench.finer), _at_work(point)
+    made = bench.memory.recalled(
+        "finer", (bench.task.key(), *here, busy), lambda: finer_readings(bench.task, *here, busy)
     )
     return [jnp.asarray(one) for one in made]
 

@@ -13,19 +13,28 @@ from scipy.stats import norm
 
 from thermo.discover._aliases import aliases
 from thermo.discover._allowance import NOTHING_ALLOWED, allowance
-from thermo.discover._bench import Apart, Bench, corrected, finer_runs, set_up, usual_errors
+from thermo.discover._bench import (
+    Apart,
+    Bench,
+    corrected,
+    finer_runs,
+    read_there,
+    set_up,
+    usual_errors,
+)
 from thermo.discover._candidate import Candidate
 from thermo.discover._descent import Ended
-from thermo.discover._extended import readings
 from thermo.discover._held_out import held_out
 from thermo.discover._library import Setting, setting_of
+from thermo.discover._memory import memory_of
 from thermo.discover._met import estimate_of
 from thermo.discover._misfit import Misfit, misfits
+from thermo.discover._pace import MEASURE, Pace, Say
 from thermo.discover._path import SearchPath, by_shapes, search
 from thermo.discover._registered import registered
 from thermo.discover._rounds import candidacies
 from thermo.discover._scores import ScoreTable
-from thermo.discover._search import Say, Standing, at_work, fitted
+from thermo.discover._search import Standing, at_work, fitted
 from thermo.discover._softening import blocks, error_columns, stamp_columns
 from thermo.discover._trace import traces
 from thermo.discover._verdict import HeldOut, Verdict
@@ -62,6 +71,7 @@ def discover(
     initial: dict[str, float] | None = None,
     model_error: float = 0.005,
     candidates: Callable[[Setting], tuple[Candidate, ...]] = registered,
+    checkpoint: Path | None = None,
     say: Say = lambda words: None,
 ) -> Verdict:
     """Which effect is missing in what a scene states, if any is.
@@ -76,7 +86,9 @@ def discover(
 
     - `candidates`: from what is known of body and runs [SI] to all effects that may be missing,
       each of another name and of strength zero; the library and what is registered by default.
-    - `say`: is told what is being done.
+    - `checkpoint`: folder for what is finished, from which an interrupted search goes on to the
+      same verdict, bit by bit; `forget` it once the verdict is safe.
+    - `say`: is told what is being done, and about how long what is known of a round still takes.
 
     Raises `InputError` as `invert` does, and where two candidates have one name.
 
@@ -92,9 +104,11 @@ def discover(
     bench = set_up(task)
     every = candidates(setting_of(task.scene, task.runs, bench.ready.mesh, task.names))
     _check_names(every)
-    begun, left = _begin(bench, every, say)
-    path = search(begun, tuple(one for one in every if one.card.law), say)
-    say("predicting held-out runs")
+    memory = memory_of(checkpoint, every)
+    bench, pace = replace(bench, memory=memory), Pace(say, memory.spared)
+    begun, left = _begin(bench, every, pace)
+    path = search(begun, tuple(one for one in every if one.card.law), pace)
+    pace.step("predicting held-out runs")
     proof = held_out(bench, begun.point, path.standing.point)
     return _answer(begun, path, proof, left, time.monotonic() - started)
 
@@ -143,17 +157,18 @@ def _check_names(every: tuple[Candidate, ...]) -> None:
         )  # fmt: skip
 
 
-def _begin(bench: Bench, every: tuple[Candidate, ...], say: Say) -> tuple[Standing, Apart]:
+def _begin(bench: Bench, every: tuple[Candidate, ...], pace: Pace) -> tuple[Standing, Apart]:
     """The stated model fitted, and what a fit's usual cells and steps make wrong there [K]."""
-    say("fitting what is stated")
+    pace.step("fitting what is stated")
     # Laws make another program, and stand in the point only where one of them is at work.
     point = bench.first(tuple(one for one in every if not one.card.law))
     first = {one.card.name: one for one in every}
     nothing = Ended(point, np.zeros(0), np.zeros((0, 0)))
     standing = Standing(bench, first, point, (), nothing, NOTHING_ALLOWED)
     standing = fitted(standing, times=0)
-    say("measuring what cells and steps make wrong")
+    pace.step("measuring what cells and steps make wrong", MEASURE)
     standing = fitted(standing, times=1)
+    pace.step("measuring what is left of that")
     # Once more where that ended; the same finer runs say what a fit's usual cells make wrong.
     wanted = finer_runs(standing.bench, standing.point)
     left = usual_errors(standing.bench, standing.point, wanted)
@@ -163,7 +178,7 @@ def _begin(bench: Bench, every: tuple[Candidate, ...], say: Say) -> tuple[Standi
     small = replace(standing.point, candidates=())
     errors = (
         error_columns(runs, bench.coarse, left, count),
-        stamp_columns(runs, bench.coarse, readings(bench.coarse, small), count),
+        stamp_columns(runs, bench.coarse, read_there(bench.memory, bench.coarse, small), count),
     )
     allowed = allowance(runs, np.concatenate(errors, 1))
     return fitted(replace(standing, bench=bench, allowed=allowed), times=0), left

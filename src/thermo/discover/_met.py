@@ -6,8 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from thermo.discover._bench import steps_for
-from thermo.discover._extended import readings
+from thermo.discover._bench import read_there, steps_for
 from thermo.discover._search import Standing
 from thermo.discover._staying import staying
 from thermo.inverse import Estimate, RunFit, defect_sizes, recovered, with_fields
@@ -20,8 +19,9 @@ def met_runs(standing: Standing) -> dict[str, RunFit]:
     """What is read and what was measured [K] in each run, constant errors of samples taken off."""
     coarse, grids = steps_for(standing.bench.coarse, standing.point), standing.bench.ready.grids
     sizes, order = defect_sizes(coarse), iter(coarse.sequence)
+    there = read_there(standing.bench.memory, coarse, standing.point)
     found = {}
-    for case, group in zip(coarse.cases, readings(coarse, standing.point), strict=True):
+    for case, group in zip(coarse.cases, there, strict=True):
         every = (np.asarray(group), np.asarray(case.data), np.asarray(case.weight()))
         for read, data, weight in zip(*every, strict=True):
             number = next(order)

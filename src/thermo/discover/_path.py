@@ -11,6 +11,7 @@ from scipy.stats import chi2
 from thermo.discover._bench import edge_of, resolved
 from thermo.discover._calibration import Calibration, calibration
 from thermo.discover._candidate import Candidate, Place
+from thermo.discover._pace import Pace
 from thermo.discover._place_doubt import undoubted, with_doubt
 from thermo.discover._projection import projection
 from thermo.discover._rounds import (
@@ -24,7 +25,6 @@ from thermo.discover._rounds import (
 from thermo.discover._scores import ScoreTable, credible
 from thermo.discover._search import (
     Refit,
-    Say,
     Standing,
     fitted,
     refits,
@@ -71,12 +71,12 @@ class SearchPath:
     calibrated: Calibration
 
 
-def search(begun: Standing, laws: tuple[Candidate, ...], say: Say) -> SearchPath:
+def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace) -> SearchPath:
     """Put effects to work one after the other until nothing is missing, or nothing explains it."""
     standing, rounds, remarks, quiet = begun, [], [], False
     tables: list[ScoreTable] = []
     for number in range(_ROUNDS):
-        say(f"scoring all candidates, round {number + 1}")
+        pace.step(f"scoring all candidates, round {number + 1} of {_ROUNDS} at the most")
         share = 0.5**number
         table = scored(standing, laws, alpha=share * _BY_SCORE)
         tables.append(table)
@@ -85,7 +85,7 @@ def search(begun: Standing, laws: tuple[Candidate, ...], say: Say) -> SearchPath
         if rest is not None:
             remarks += rest
             break
-        made = put_first(refits(standing, table, laws, say), table.threshold**2)
+        made = put_first(refits(standing, table, laws, pace), table.threshold**2)
         one = make_round(standing, made, table) if made else None
         if calm and one is not None and one.effect.chance > _ABSENT:
             remarks.append(_nothing(one))
@@ -101,11 +101,13 @@ def search(begun: Standing, laws: tuple[Candidate, ...], say: Say) -> SearchPath
             break
         rounds.append(one)
         before, standing = standing, with_all(made[0], standing)
-        standing, rounds = pruned(standing, rounds, table.threshold**2, say, remarks)
+        standing, rounds = pruned(standing, rounds, table.threshold**2, pace, remarks)
         if one.closed < _WORTH:
             break
-        standing, rounds = on_small_cells(standing, rounds, begun, before, remarks)
+        standing, rounds = on_small_cells(standing, rounds, begun, before, pace, remarks)
+        pace.step("allowing for what the shapes of places may make wrong")
         standing = with_doubt(standing, begun.allowed)
+    pace.step("fitting what was found once more, and drawing noise alone")
     last = undoubted(standing, begun.allowed)
     word = "no_gap" if quiet else _word(begun, last, rounds, tables[0])
     together = with_joint_effects(rounds, last, standing)
@@ -114,12 +116,23 @@ def search(begun: Standing, laws: tuple[Candidate, ...], say: Say) -> SearchPath
 
 def calibrated(begun: Standing, table: ScoreTable) -> Calibration:
     """How often the stated model's alarm would be false, by simulation [1]."""
-    free, runs = projection(begun.ended.slopes), begun.allowed.runs
-    return calibration(table, free, runs, shapes=_BY_SHAPES)
+    follows = table, projection(begun.ended.slopes), begun.allowed.runs
+
+    def anew() -> list[np.ndarray]:
+        made = calibration(*follows, shapes=_BY_SHAPES)
+        return [made.largest, np.array([made.by_score, made.by_shapes, made.either])]
+
+    kept = begun.bench.memory.recalled("calibration", (*follows, _BY_SHAPES), anew)
+    return Calibration(kept[0], *map(float, kept[1]))
 
 
 def on_small_cells(
-    standing: Standing, rounds: list[Round], begun: Standing, before: Standing, remarks: list[str]
+    standing: Standing,
+    rounds: list[Round],
+    begun: Standing,
+    before: Standing,
+    pace: Pace,
+    remarks: list[str],
 ) -> tuple[Standing, list[Round]]:
     """Fitted anew on smaller cells, where a place is thin or leaves a misfit in smooth shapes.
 
@@ -130,6 +143,7 @@ def on_small_cells(
     needed = by_shapes(standing) <= _BY_SHAPES or thinnest(standing) < edge_of(standing.bench)
     if tried or not placed(standing) or not needed:
         return standing, rounds
+    pace.step("fitting on smaller cells")
     large = rms(standing)
     standing = fitted(replace(standing, bench=resolved(standing.bench)), times=2)
     small, closed = rms(standing), share_closed(before, standing)
@@ -155,7 +169,7 @@ def thinnest(standing: Standing) -> float:
 
 
 def pruned(
-    standing: Standing, rounds: list[Round], most: float, say: Say, remarks: list[str]
+    standing: Standing, rounds: list[Round], most: float, pace: Pace, remarks: list[str]
 ) -> tuple[Standing, list[Round]]:
     """Without effects that those after them have made needless.
 
@@ -169,7 +183,7 @@ def pruned(
         effect = effect_of(standing, active, spread)
         if len(rounds) < 2 or effect.chance <= _ABSENT:
             continue
-        say(f"trying without {effect.card.name}")
+        pace.step(f"trying without {effect.card.name}")
         less = fitted(without(standing, number), times=1)
         if less.ended.criterion(spread) - standing.ended.criterion(spread) < most:
             remarks.append(f"{effect.card.name} was tried, and is not needed beside the others.")

@@ -10,10 +10,10 @@ import numpy as np
 from jaxtyping import Float
 
 from thermo.discover._allowance import Allowance, beside
-from thermo.discover._bench import steps_for
+from thermo.discover._bench import read_there, steps_for
 from thermo.discover._candidate import Place, Transition
 from thermo.discover._entries import Active
-from thermo.discover._extended import Extended, readings, whitened
+from thermo.discover._extended import Extended, whitened
 from thermo.discover._search import Standing, box_of, fitted, with_few_places
 
 # As much of an effect may be elsewhere as its place says [1]. Sizes over the found one [1].
@@ -38,10 +38,11 @@ def with_doubt(standing: Standing, allowed: Allowance) -> Standing:
     if not others:
         return undoubted(standing, allowed)
     objective = steps_for(small.bench.coarse, small.point)
-    base = readings(objective, small.point)
+    memory = small.bench.memory
+    base = read_there(memory, objective, small.point)
     made = np.zeros((len(standing.ended.residual), len(others)))
     for number, point in enumerate(others):
-        read = readings(objective, point)
+        read = read_there(memory, objective, point)
         apart = [_ELSEWHERE * (one - known) for one, known in zip(read, base, strict=True)]
         white = np.asarray(whitened(objective, apart))
         made[: len(white), number] = white

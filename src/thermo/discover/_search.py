@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Final, final
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Float, Int
@@ -25,6 +26,7 @@ from thermo.discover._entries import (
     joined,
 )
 from thermo.discover._extended import Extended, moved, signatures
+from thermo.discover._pace import MEASURE, REFIT, Pace
 from thermo.discover._projection import projection
 from thermo.discover._scores import Score, ScoreTable, best_of_kinds, credible, score_table
 from thermo.discover._softening import omnibus
@@ -43,7 +45,6 @@ _MEASURED: Final = 3
 # Of what the best gains by the criterion, how far behind one may be to be measured anew [1].
 _NEAR: Final = 0.3
 
-Say = Callable[[str], None]
 Parts = Int[np.ndarray, " parts"]
 
 
@@ -105,15 +106,29 @@ def fitted(standing: Standing, *, times: int, rival: float = np.inf) -> Standing
         bench = small.bench
         if number < times:
             bench = corrected(bench, small.point, finer_runs(bench, small.point))
-        coarse = steps_for(bench.coarse, small.point)
-        ended = descend(coarse, small.point, free, small.allowed, rival)
-        small = replace(small, bench=bench, point=ended.point, ended=ended)
+        small = replace(small, bench=bench)
+        ended = _descended(small, free, rival)
+        small = replace(small, point=ended.point, ended=ended)
     back = tuple(
         _put_back(one, few, kept[one.card.name])
         for one, few in zip(standing.point.candidates, small.point.candidates, strict=True)
     )
     point = replace(small.point, candidates=back)
     return replace(standing, bench=small.bench, point=point, ended=small.ended)
+
+
+def _descended(standing: Standing, free: Free, rival: float) -> Ended:
+    """Where least squares end [1], or ended before the search was interrupted."""
+    coarse = steps_for(standing.bench.coarse, standing.point)
+    follows = coarse, standing.point, free, standing.allowed, rival
+
+    def anew() -> list[np.ndarray]:
+        ended = descend(*follows)
+        return [np.asarray(ravel_pytree(ended.point)[0]), ended.residual, ended.slopes]
+
+    at, residual, slopes = standing.bench.memory.recalled("fit", follows, anew)
+    _, unravel = ravel_pytree(standing.point)
+    return Ended(unravel(jnp.asarray(at)), residual, slopes)
 
 
 def without(standing: Standing, number: int) -> Standing:
@@ -212,7 +227,9 @@ def _signatures(
     sizes = np.concatenate([np.full(len(e.strengths), e.card.typical) for e in found])
     ways = np.zeros((len(numbers), len(every)))
     ways[np.arange(len(numbers)), numbers] = sizes
-    return signatures(steps_for(standing.bench.coarse, point), point, ways)
+    follows = steps_for(standing.bench.coarse, point), point, ways
+    (slopes,) = standing.bench.memory.recalled("scores", follows, lambda: [signatures(*follows)])
+    return slopes
 
 
 @final
@@ -248,7 +265,7 @@ def could_reach(score: Score, loss: float, rival: float, *, placed: bool) -> boo
 
 
 def refits(
-    standing: Standing, table: ScoreTable, laws: tuple[Candidate, ...], say: Say
+    standing: Standing, table: ScoreTable, laws: tuple[Candidate, ...], pace: Pace
 ) -> list[Refit]:
     """The credible candidates put to work one by one, the best first."""
     order = best_of_kinds([one for one in table.scores if credible(one, table.threshold)])
@@ -259,9 +276,11 @@ def refits(
         placed = standing.first[score.name()].place is not None
         if not could_reach(score, standing.ended.loss(), rival, placed=placed):
             continue
-        say(f"refitting {score.name()}, score {score.z:.1f}, {number} of {len(worth)}")
+        words = f"refitting {score.name()}, score {score.z:.1f}, {number} of {len(worth)}"
+        # One at least is measured anew, and the best of them once more.
+        pace.step(words, REFIT, {REFIT: len(worth) - number + 1, MEASURE: 2})
         made.append(_put_to_work(standing, score, laws, rival))
-    return _measured_anew(standing, made, say) if made else []
+    return _measured_anew(standing, made, pace) if made else []
 
 
 def _spread(made: list[Refit]) -> float:
@@ -295,17 +314,19 @@ def _put_to_work(
     return Refit(score, fitted(there, times=0, rival=rival))
 
 
-def _once_more(one: Refit, say: Say) -> Refit:
-    say(f"measuring the cells' error with {one.name()}")
+def _once_more(one: Refit, pace: Pace, number: int, count: int) -> Refit:
+    words = f"measuring the cells' error with {one.name()}, {number} of {count}"
+    pace.step(words, MEASURE, {MEASURE: count - number + 1})
     return replace(one, standing=fitted(one.standing, times=1))
 
 
-def _measured_anew(standing: Standing, made: list[Refit], say: Say) -> list[Refit]:
+def _measured_anew(standing: Standing, made: list[Refit], pace: Pace) -> list[Refit]:
     """Those near the best, fitted once more with what cells make wrong where they stand."""
     made = in_order(made)
     near = near_best(standing.ended, made)
-    again = in_order([_once_more(one, say) for one in near])
-    again[0] = _once_more(again[0], say)
+    count = len(near) + 1
+    again = in_order([_once_more(one, pace, number, count) for number, one in enumerate(near, 1)])
+    again[0] = _once_more(again[0], pace, count, count)
     others = [one for one in made if all(one is not other for other in near)]
     return in_order(again) + others
 

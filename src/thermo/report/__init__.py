@@ -1,5 +1,6 @@
 """What a run leaves: JSON, arrays, ParaView files and figures; tables and progress on the way."""
 
+from ._claim import claimed
 from ._field_record import band_record, field_record, surface_record, write_fields_left
 from ._figure_curves import figure_curves
 from ._figure_field import figure_field
@@ -33,6 +34,7 @@ from ._write_reconstruction import write_reconstruction
 from ._write_registration import write_registration
 
 __all__ = [
+    "claimed",
     "Layer",
     "Progress",
     "Readings",

@@ -6,6 +6,8 @@ import time
 from collections.abc import Callable
 from typing import Protocol, final, runtime_checkable
 
+from thermo._duration import duration
+
 
 @runtime_checkable
 class Stream(Protocol):
@@ -22,16 +24,6 @@ class Stream(Protocol):
     def isatty(self) -> bool:
         """Whether a person watches."""
         ...
-
-
-def duration(seconds: float) -> str:
-    """A duration [s] as people say it: `8 s`, `2 min 05 s`, `1 h 02 min`."""
-    whole = round(seconds)
-    if whole < 60:
-        return f"{whole} s"
-    if whole < 3600:
-        return f"{whole // 60} min {whole % 60:02d} s"
-    return f"{whole // 3600} h {whole % 3600 // 60:02d} min"
 
 
 @final

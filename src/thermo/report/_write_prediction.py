@@ -70,6 +70,7 @@ def write_predictions(
     configuration: Mapping[str, Any],
     seconds: float,
     effects: Sequence[str] = (),
+    remarks: Sequence[str] = (),
     *,
     mesh: Mesh | None = None,
     fields: Mapping[str, RecoveredField] | None = None,
@@ -81,7 +82,8 @@ def write_predictions(
     them on the surface with a slider over time, and figures.
 
     Arguments: `seconds` that the work took [s]; `effects`: names of those beside the stated ones;
-    `mesh` [m] and `fields` of the fit [SI], which `RUN.html` shows as well.
+    `remarks`: what a reader should know; `mesh` [m] and `fields` of the fit [SI], which `RUN.html`
+    shows as well.
     """
     for name, prediction in predictions.items():
         _write_run(folder, name, prediction, mesh, fields or {})
@@ -94,6 +96,7 @@ def write_predictions(
         },
         "scores_unit": "K",
         "effects": list(effects),
+        "remarks": list(remarks),
         "seconds": seconds,
         "success": True,
         "versions": versions(),
