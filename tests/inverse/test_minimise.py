@@ -21,7 +21,7 @@ from thermo.inverse import (
     load_checkpoint,
 )
 from thermo.inverse._first_order import loss
-from thermo.inverse._minimise import minimise
+from thermo.inverse._minimise import _about, minimise
 from thermo.inverse._objective import Objective, start
 
 from .objectives import at, beliefs
@@ -59,7 +59,7 @@ def minimum(problem: Objective) -> np.ndarray:
 def test_second_order_methods_end_at_the_same_minimum(
     name: str, problem: Objective, minimum: np.ndarray
 ) -> None:
-    told: list[tuple[int, int, float]] = []
+    told: list[tuple[int, int | None, float]] = []
     optimiser = TIGHT[name]
     fit = minimise([at(problem)], optimiser, key="x", on_step=lambda *args: told.append(args))
     assert fit.success
@@ -179,3 +179,12 @@ def test_the_best_step_is_kept_and_running_out_of_steps_is_no_success(problem: O
     assert fit.history == [[9.0, 0.25, 4.0, 1.0]]
     assert fit.loss == 0.25 and not fit.success
     assert np.allclose(flat(fit.parameters), flat(start(problem)) + 0.2)
+
+
+def test_steps_to_come_are_told_by_the_stages_that_ended() -> None:
+    settles, fixed = LevenbergMarquardt(), Adam(max_steps=50)
+    assert _about(fixed, [3], 2) == _about(fixed, [50, 1], 2) == 100
+    assert _about(settles, [4], 3) is None
+    assert _about(settles, [5, 2], 3) == 15
+    assert _about(settles, [5, 7], 3) == 17
+    assert _about(settles, [5, 7, 2], 3) == 19

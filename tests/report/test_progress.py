@@ -36,7 +36,7 @@ def test_a_log_gets_a_line_every_five_seconds_and_the_last() -> None:
         "fit: step 78 of 100",
         "fit: step 100 of 100",
     ]
-    assert lines[0] == "fit: step 39 of 100, loss 0.25641, 5 s elapsed, at most 8 s left"
+    assert lines[0] == "fit: step 39 of 100, loss 0.25641, 5 s elapsed, about 8 s left"
     assert lines[-1] == "fit: step 100 of 100, loss 0.1, 13 s elapsed"
 
 
@@ -48,8 +48,21 @@ def test_the_first_step_does_not_tell_how_long_others_take() -> None:
             progress.update(step)
     assert stream.getvalue().splitlines() == [
         "fit: step 1 of 12, 1 min 40 s elapsed",
-        "fit: step 2 of 12, 1 min 46 s elapsed, at most 1 min 00 s left",
-        "fit: step 4 of 12, 1 min 58 s elapsed, at most 48 s left",
+        "fit: step 2 of 12, 1 min 46 s elapsed, about 1 min 00 s left",
+        "fit: step 4 of 12, 1 min 58 s elapsed, about 48 s left",
+    ]
+
+
+def test_a_number_of_steps_that_is_not_sure_is_told_as_such() -> None:
+    stream, clock = io.StringIO(), Clock()
+    with Progress("fit", None, stream, clock) as progress:
+        for step, total in ((1, None), (2, 8), (3, 9)):
+            clock.now += 6.0
+            progress.update(step, total=total)
+    assert stream.getvalue().splitlines() == [
+        "fit: step 1, 6 s elapsed",
+        "fit: step 2 of about 8, 12 s elapsed, about 36 s left",
+        "fit: step 3 of about 9, 18 s elapsed, about 36 s left",
     ]
 
 

@@ -66,7 +66,7 @@ def invert(settings: Configuration) -> None:
         estimate = inverse.invert(
             scene,
             checkpoint=checkpoint,
-            on_step=lambda step, most, loss: progress.update(step, loss, most),
+            on_step=lambda step, about, loss: progress.update(step, loss, about),
             **arguments,
         )
     record = write_inversion(out, estimate, settings, dropped)

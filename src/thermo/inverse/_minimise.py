@@ -20,8 +20,9 @@ from thermo.inverse._checkpoint import (
 from thermo.inverse._objective import Objective, Parameters, start, with_fields
 from thermo.inverse._optimiser import AbstractOptimiser
 
-OnStep = Callable[[int, int, float], None]
-"""Called after each step with its number, the most that all stages can make, and the loss [1]."""
+OnStep = Callable[[int, int | None, float], None]
+"""Called after each step with its number, about how many all stages make, None while nothing tells
+that, and the loss [1]."""
 
 
 Stage = Callable[[Objective | None], Objective | None]
@@ -76,9 +77,10 @@ def minimise(
         ended = parameters_of(leaves, start(objective), str(checkpoint))
         objective = _made(stages[number + 1](_standing(objective, ended)))
 
-    def told(number: int, loss: float) -> None:
+    def told(history: list[list[float]]) -> None:
         if on_step is not None:
-            on_step(number, len(stages) * optimiser.max_steps, loss)
+            made = [len(losses) for losses in history]
+            on_step(sum(made), _about(optimiser, made, len(stages)), history[-1][-1])
 
     now = _beginning(key, objective, [], []) if saved is None else saved
     fit = _run_stage(objective, optimiser, now, checkpoint, told)
@@ -90,6 +92,20 @@ def minimise(
         now = _beginning(key, objective, ends, fit.history)
         fit = _run_stage(objective, optimiser, now, checkpoint, told)
     return fit
+
+
+def _about(optimiser: AbstractOptimiser, made: list[int], stages: int) -> int | None:
+    """How many steps all stages make [1], going by those made in each stage so far.
+
+    An optimiser that stops by itself is expected to go as far in the stages to come as it ever did.
+    """
+    if optimiser.fixed_length():
+        return stages * optimiser.max_steps
+    *ended, here = made
+    if not ended:
+        return None
+    usual = max(ended)
+    return sum(ended) + max(here, usual) + usual * (stages - len(made))
 
 
 def _made(objective: Objective | None) -> Objective:
@@ -113,7 +129,7 @@ def _run_stage(
     optimiser: AbstractOptimiser,
     begun: Checkpoint,
     checkpoint: Path | None,
-    told: Callable[[int, float], None],
+    told: Callable[[list[list[float]]], None],
 ) -> Fit:
     like = start(objective)
     parameters, best = (
@@ -138,7 +154,7 @@ def _run_stage(
             here, least = leaves_of(parameters), leaves_of(best)
             now = Checkpoint(begun.key, begun.ends, here, least, best_loss, history, memory)
             save_checkpoint(checkpoint, now)
-        told(sum(map(len, history)), losses[-1])
+        told(history)
         if bool(done):
             success = bool(fine)
             break

@@ -53,6 +53,7 @@ class Progress:
     ) -> None:
         self._measure = measure
         self._label, self._total, self._stream, self._clock = label, total, stream, clock
+        self._sure = total is not None
         self._terminal = stream.isatty()
         self._interval = 0.25 if self._terminal else 5.0
         self._start = clock()
@@ -64,15 +65,16 @@ class Progress:
 
     def _text(self, step: int, loss: float | None, now: float) -> str:
         elapsed = now - self._start
-        parts = [f"{self._label}: step {step}" + (f" of {self._total}" if self._total else "")]
+        about = "" if self._sure else "about "
+        of = f" of {about}{self._total}" if self._total else ""
+        parts = [f"{self._label}: step {step}{of}"]
         if loss is not None:
             parts.append(f"{self._measure} {loss:.6g}")
         parts.append(f"{duration(elapsed)} elapsed")
         first, then = self._first or (step, now)
         if self._total and first < step < self._total:
-            # A bound, since an optimiser may stop before its last step.
             left = (now - then) / (step - first) * (self._total - step)
-            parts.append(f"at most {duration(left)} left")
+            parts.append(f"about {duration(left)} left")
         return ", ".join(parts)
 
     def _show(self, text: str, now: float) -> None:
@@ -85,7 +87,7 @@ class Progress:
         self._shown, self._pending = now, None
 
     def update(self, step: int, loss: float | None = None, total: int | None = None) -> None:
-        """Tells that `step` steps are done, with the loss [1]; `total` where it is known now."""
+        """Tells that `step` steps are done, with the loss [1]; `total`: about how many in all."""
         now = self._clock()
         self._total = self._total if total is None else total
         text = self._text(step, loss, now)
