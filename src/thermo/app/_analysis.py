@@ -14,6 +14,7 @@ from thermo import inverse
 from thermo.app._fields_left import FieldsLeft
 from thermo.app._fitted import Fitted
 from thermo.app._refits import Refits
+from thermo.app._regions import mean_sentences
 from thermo.identify import (
     Identifiability,
     NextRun,
@@ -31,6 +32,7 @@ from thermo.report import (
     band_record,
     field_record,
     identifiability_record,
+    mean_record,
     surface_record,
     write_identifiability,
 )
@@ -71,6 +73,7 @@ class Analysis:
         record["sentences"] = [
             *found.sentences(before=self.fitted is None, means=means),
             *([] if left.posterior is None else field_sentences(left.posterior)),
+            *mean_sentences(left.means),
             *_banded(left),
             *([] if self.fitted is None else self.fitted.unexplained),
             *_doubts(found, more),
@@ -78,6 +81,7 @@ class Analysis:
             *_next(chosen),
         ]
         record |= {"next_runs": [asdict(one) for one in chosen]}
+        record |= {"means": [mean_record(one) for one in left.means]}
         record |= {"fields": field_record(left.posterior), "bands": band_record(left.bands)}
         record |= {"surface": surface_record(left.posterior)}
         record |= {"shifts": [asdict(one) for one in moved], "misfit": more.misfit}

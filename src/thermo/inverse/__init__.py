@@ -38,6 +38,7 @@ from thermo.inverse._field_choice import (
     TwoMaterials,
     Uniform,
 )
+from thermo.inverse._field_loss import FieldLoss
 from thermo.inverse._field_posterior import FieldPosterior, Smoothness
 from thermo.inverse._field_scores import FieldScores, field_scores
 from thermo.inverse._first_order import Adam, LimitedMemoryBfgs
@@ -90,6 +91,7 @@ __all__ = [
     "Checkpoint",
     "Conditions",
     "Estimate",
+    "FieldLoss",
     "FieldPosterior",
     "FieldScores",
     "GaussNewtonKrylov",

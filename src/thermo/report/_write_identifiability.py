@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from thermo.identify import Basins, Identifiability, Profile
-from thermo.inverse import Sensitivity
+from thermo.fields import QUANTITIES
+from thermo.identify import Basins, Identifiability, Profile, RegionMean
+from thermo.inverse import NORMAL, Sensitivity
 from thermo.observe import Run, check_quiet, estimate_noise
 
 from ._identifiability_page import identifiability_page
@@ -89,6 +90,21 @@ def _profile(found: Profile | None) -> dict[str, Any] | None:
         "values": np.exp(found.values),
         "rises": found.rises,
         "remainders": found.remainders,
+    }
+
+
+def mean_record(mean: RegionMean) -> dict[str, Any]:
+    """The mean of a field over a region [SI], its interval by slopes and its profile."""
+    low, high = mean.value * np.exp(NORMAL * mean.deviation * np.array([-1.0, 1.0]))
+    return {
+        "quantity": mean.quantity,
+        "unit": QUANTITIES[mean.quantity].unit,
+        "region": mean.region,
+        "share": mean.share,
+        "value": mean.value,
+        "relative": mean.deviation,
+        "interval95": [float(low), float(high)],
+        "profile": _profile(mean.profile),
     }
 
 
