@@ -72,6 +72,7 @@ def test_after_a_fit_its_runs_unknowns_and_values_are_looked_at(
     (item,) = found["parameters"].values()
     assert item["value"] == pytest.approx(fitted) and item["verdict"] == "identified"
     assert set(found["noise"]) == {"lamp", "cooling"}
+    assert {one["from"] for one in found["noise"].values()} == {"quiet"}
     assert found["spectrum"]["prior"] == [0.5] and found["before_fit"] is False
     (moved,) = found["shifts"]
     assert moved["held"] == "heater_power" and moved["name"] == "conductivity"

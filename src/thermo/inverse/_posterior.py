@@ -52,8 +52,7 @@ def posterior(
     is the probability of each smoothness, over all of which the result is summed: a smoothness
     that the data do not fix does not make a band narrow. A third of what `meshing.corrected` takes
     off counts as unknown, and so does what the scale of the surface leaves open. What was taken as
-    linear is kept as it is, under the most probable smoothness (`loss`), for
-    `thermo.identify.region_profile`.
+    linear is kept under the most probable smoothness (`loss`): `thermo.identify.region_profile`.
 
     Arguments:
 
@@ -91,8 +90,8 @@ def posterior(
     near = linearised(objective, [run.recording.points for run in task.runs])
     pulls = _all_pulls(task, ready, objective, near.slopes)
     mixture, shift = _in_logarithms(objective, near, prior, pulls)
-    loss = _loss(objective, near, mixture)
-    return FieldPosterior(mesh, order, stated, fields, points, mixture, shift, loss)
+    parts = (mixture, shift, _loss(objective, near, mixture))
+    return FieldPosterior(mesh, order, stated, fields, points, *parts)
 
 
 def _loss(objective: Objective, near: Nearby, mixture: list[Smoothness]) -> FieldLoss:

@@ -211,13 +211,13 @@ _NEXT = (
 
 def _noise(record: Record) -> str:
     header = ["run", "white [K]", "left in next frame", "offsets [K]", "unknown of these [K]",
-              "from", "tested on the quiet frames"]  # fmt: skip
+              "from", "tested"]  # fmt: skip
     rows = [
         [
             name,
             *(f"{item[key]:.2g}" for key in ("white", "correlation", "offset", "staying")),
             item["source"],
-            "not tested" if item["check"] is None else item["check"]["words"],
+            (item["check"] or item.get("residual") or {"words": "not tested"})["words"],
         ]
         for name, item in record["noise"].items()
     ]
