@@ -56,7 +56,8 @@ def test_the_noise_of_a_run_without_quiet_frames_is_learnt(model: LogModel, plai
     # Some twenty pairs of thirty samples, 21 frames each.
     assert noise.white == pytest.approx(WHITE, rel=0.25)
     assert noise.correlation == pytest.approx(KEPT, abs=0.2)
-    assert noise.offset == pytest.approx(OFFSET, rel=0.4)
+    # A median of twenty knows a deviation to a quarter.
+    assert noise.offset == pytest.approx(OFFSET, rel=0.6)
 
 
 def test_residuals_are_white_beside_it_and_were_not_before(model: LogModel, plain: Scene) -> None:
