@@ -113,7 +113,7 @@ def _between_neighbours(
     residual: Float[np.ndarray, "fitted samples"], points: Float[np.ndarray, "samples 3"]
 ) -> tuple[Float[np.ndarray, "fitted pairs"], float]:
     """Differences of nearest samples over sqrt(2) [K], each pair once, and how far they lie [m]."""
-    length, near = KDTree(points).query(points, k=2)
+    length, near = map(np.asarray, KDTree(points).query(points, k=2))
     mine = np.arange(len(points))
     # Of samples in one place either may come first.
     other = np.where(near[:, 0] == mine, near[:, 1], near[:, 0])
