@@ -75,10 +75,15 @@ def body(shape: str, samples: int, seed: int, cut: int = 0) -> Body:
 
     `cut`: how often each cell is cut in eight [1].
     """
-    mesh = body_mesh(shape).refined(cut)
+    return body_of(body_mesh(shape), samples, seed, cut)
+
+
+def body_of(coarse: MeshTet, samples: int, seed: int, cut: int = 0) -> Body:
+    """The same for cells [m] of one's own."""
+    mesh = coarse.refined(cut)
     inner = Basis(mesh, ElementTetP2(), intorder=4)
     outer = FacetBasis(mesh, ElementTetP2(), intorder=4)
-    surface = _surface(body_mesh(shape))
+    surface = _surface(coarse)
     points, faces = trimesh.sample.sample_surface(surface, samples, seed=seed)
     # Seen as lying inside by the search through cells.
     inwards = points - 1e-8 * surface.face_normals[faces]

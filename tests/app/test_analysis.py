@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from thermo.app._analysis import allowing
+from thermo.app._analysis import allowing, learnt
 from thermo.inverse import DEFECT_LEFT, Sensitivity
+from thermo.observe import Noise, ResidualNoise
 
 
 @pytest.mark.parametrize(("corrected", "left"), [(True, DEFECT_LEFT), (False, 1.0)])
@@ -18,3 +19,16 @@ def test_a_corrected_fit_leaves_a_share_of_what_cells_and_steps_make_wrong(
     apart = np.random.default_rng(0).standard_normal((8, 3))
     made = allowing(at, {"a": apart}, corrected=corrected)
     assert np.allclose(made.defect["a"], left * apart[:5])
+
+
+def test_what_a_residual_shows_makes_noise_wider_and_nothing_stated_narrower() -> None:
+    at = Sensitivity(
+        ("conductivity",), {"a": np.ones((5, 3, 1)), "b": np.ones((5, 3, 1))},
+        {"a": 0.05, "b": 0.05}, staying={"a": 0.3, "b": 0.0}, values=(1.0,),
+    )  # fmt: skip
+    noise = Noise(0.1, 0.2, 0.5)
+    made = learnt(at, {"a": ResidualNoise(noise, 0.0, 0.0, 1e-3)})
+    assert made.noise == {"a": pytest.approx(0.1 * np.sqrt(3)), "b": 0.05}
+    assert made.staying == {"a": 0.3, "b": 0.0}
+    more = learnt(at, {"b": ResidualNoise(noise, 0.0, 0.0, 1e-3)})
+    assert more.staying == {"a": 0.3, "b": 0.2}

@@ -72,6 +72,7 @@ def test_after_a_fit_its_runs_unknowns_and_values_are_looked_at(
     (item,) = found["parameters"].values()
     assert item["value"] == pytest.approx(fitted) and item["verdict"] == "identified"
     assert set(found["noise"]) == {"lamp", "cooling"}
+    assert {one["from"] for one in found["noise"].values()} == {"quiet"}
     assert found["spectrum"]["prior"] == [0.5] and found["before_fit"] is False
     (moved,) = found["shifts"]
     assert moved["held"] == "heater_power" and moved["name"] == "conductivity"
@@ -123,9 +124,17 @@ def test_after_a_fit_of_a_field_its_places_and_predictions_have_bands(
     outcome = command("invert", f"data={block}", f"out={fit}", cache, *coarse, *asked)
     assert outcome.code == 0, outcome.err
     words = ("identify", f"data={block}", f"estimate={fit}", cache, *MESH)
-    outcome = command(*words, f"out={out}", "controls=6", "bands=3", "budget=600")
+    regions = "regions={end:{centre:[0,0,0],radius:0.01}}"
+    outcome = command(*words, f"out={out}", "controls=6", "bands=3", "budget=600", regions)
     assert outcome.code == 0, outcome.err
     found = record(out)
+    whole, end = found["means"]
+    assert [one["region"] for one in (whole, end)] == ["surface", "end"]
+    assert whole["share"] == pytest.approx(1.0) and 0 < end["share"] < 0.5
+    for one in (whole, end):
+        assert one["profile"]["kind"] == "bounded" and one["unit"] == "W/m/K"
+        assert one["profile"]["lower"] < one["profile"]["best"] < one["profile"]["upper"]
+    assert 'id="means"' in (out / "identifiability.html").read_text()
     field = found["fields"]["conductivity"]
     assert field["controls"] == 6 and [one["step"] for one in field["smoothness"]] == [0.2]
     assert list(found["bands"]) == ["test_lamp"] and 0 < found["bands"]["test_lamp"]["inside"] <= 1
@@ -136,6 +145,13 @@ def test_after_a_fit_of_a_field_its_places_and_predictions_have_bands(
     # Two steps are too few, and what the fit said of that is said again.
     assert any("does not explain" in line for line in told)
     assert any("one value each says nothing" in line for line in found["left_out"])
+    for odd, parts in (
+        ("{surface:{centre:[0,0,0],radius:1}}", ["called surface"]),
+        ("{end:{centre:[0,0],radius:1}}", ["regions.end", "centre"]),
+        ("{end:{centre:[9,9,9],radius:0.01}}", ["regions.end", "no face"]),
+    ):
+        outcome = command(*words, f"out={tmp_path / 'odd'}", f"regions={odd}")
+        assert outcome.code == 2 and all(part in outcome.err for part in parts), outcome.err
     left = tmp_path / "left"
     assert command(*words, f"out={left}", "controls=0").code == 0
     assert record(left)["fields"] == {}
@@ -163,6 +179,7 @@ def test_after_a_fit_of_a_field_its_places_and_predictions_have_bands(
         (["controls=-1"], ["controls", "-1"]),
         (["bands=few"], ["bands", "few"]),
         (["bands=1"], ["bands", "several draws"]),
+        (["regions={end:{centre:[0,0,0],radius:1}}"], ["regions", "a field that was fitted"]),
     ],
 )
 def test_what_cannot_be_asked_is_refused(

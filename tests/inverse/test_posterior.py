@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
+from jax.flatten_util import ravel_pytree
 
 from thermo.errors import InputError
 from thermo.inverse import (
@@ -20,6 +22,7 @@ from thermo.inverse import (
     save_estimate,
     sensitivity,
 )
+from thermo.inverse._posterior import _parts
 
 COUNT = 12
 
@@ -71,6 +74,36 @@ def one_value(
         run: float(np.sum(slopes**2)) / (at.noise[run] ** 2 + ROUGH**2)
         for run, slopes in at.slopes.items()
     }
+
+
+def test_the_loss_that_was_linearised_has_its_slope_and_its_curvature(held: FieldPosterior) -> None:
+    loss = held.loss
+    assert loss is not None
+    way = np.sin(1.0 + np.arange(COUNT))
+    way *= 0.05 / np.abs(way).max()
+    square, slope = loss.of(loss.first)
+    errors = []
+    for size in (1.0, 0.5, 0.25):
+        there, _ = loss.of(loss.first + size * way)
+        errors.append(there - square - 2 * size * slope @ way)
+    # The Taylor remainder falls with the square of the step, and is what the curvature says.
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert np.all(np.abs(orders - 2) < 0.1)
+    assert errors[-1] == pytest.approx(way @ loss.curvature @ way / 16, rel=0.05)
+    # Where slopes see the most probable fields next to nothing is to be gained.
+    assert slope @ np.linalg.solve(loss.curvature, slope) < 0.1
+
+
+def test_fields_have_the_order_of_the_slopes(fitted: Estimate) -> None:
+    """Once they had the order of the fit, and took each other's variances."""
+    one = fitted.fields["conductivity"]
+    odd = {"volumetric_heat_capacity": one, "convection": one, "conductivity": one}
+    names = list(_parts(replace(fitted, fields=odd))[-1])
+    # A number for each, and where it ends in the columns of a Jacobian.
+    columns, _ = ravel_pytree(
+        {name: jnp.asarray([float(place)]) for place, name in enumerate(names)}
+    )
+    assert columns.tolist() == [0.0, 1.0, 2.0]
 
 
 def test_with_no_step_between_neighbours_it_is_what_one_value_leaves(

@@ -15,7 +15,7 @@ from posteriors import left, smoothness
 
 from thermo.identify import basins, identifiability, profile
 from thermo.inverse import Band, Sensitivity
-from thermo.observe import Recording, Run
+from thermo.observe import Noise, Recording, ResidualNoise, Run
 from thermo.report import (
     band_record,
     field_record,
@@ -98,6 +98,24 @@ def test_the_record_keeps_the_contract(folder: Path) -> None:
     assert record["left_out"] == ["Bands & more"]
     assert len(record["maps"]["lamp"]["points"]) == SAMPLES
     assert "jax" in record["versions"]
+
+
+def test_noise_that_a_fit_showed_is_told_with_where_it_is_from() -> None:
+    points = np.random.default_rng(0).random((9, 3))
+    record = Recording(points, np.arange(4.0), np.full((4, 9), 300.0))
+    run = Run("lamp", record, 300.0, 300.0, 300.0)
+    at = Sensitivity(
+        ("convection",), {"lamp": np.ones((4, 9, 1))}, {"lamp": 0.1}, staying={"lamp": 0.2},
+        values=(10.0,),
+    )  # fmt: skip
+    asked = (identifiability(at), at, [run], {}, None, [])
+    (before,) = identifiability_record(*asked)["noise"].values()
+    assert before["from"] == "differences" and before["residual"] is None
+    shown = ResidualNoise(Noise(0.07, 0.2, 0.4), 0.3, 0.0, 2e-3)
+    (noise,) = identifiability_record(*asked, {"lamp": shown})["noise"].values()
+    assert noise["from"] == "residuals" and noise["source"] == "residual of the fit"
+    assert (noise["white"], noise["correlation"], noise["offset"]) == (0.07, 0.4, 0.2)
+    assert noise["residual"]["apart_m"] == 2e-3 and "2 mm apart" in noise["residual"]["words"]
 
 
 def test_fields_and_bands_are_kept_with_what_the_maps_show(folder: Path) -> None:

@@ -14,6 +14,7 @@ from thermo import inverse
 from thermo.app._fields_left import FieldsLeft
 from thermo.app._fitted import Fitted
 from thermo.app._refits import Refits
+from thermo.app._regions import mean_sentences
 from thermo.identify import (
     Identifiability,
     NextRun,
@@ -26,11 +27,12 @@ from thermo.identify import (
     unknowns_of,
 )
 from thermo.inverse import DEFECT_LEFT, UNEXPLAINED, FieldPosterior
-from thermo.observe import Scene
+from thermo.observe import ResidualNoise, Scene
 from thermo.report import (
     band_record,
     field_record,
     identifiability_record,
+    mean_record,
     surface_record,
     write_identifiability,
 )
@@ -58,7 +60,8 @@ class Analysis:
         at, asked = unknowns_of(self.whole, self.doubt), {"prior": self.prior}
         corrected = self.fitted is not None and self.fitted.corrected
         at = allowing(at, more.defect, corrected=corrected)
-        moved = shifts(self.whole, self.doubt, model_error=self.model_error, **asked)
+        whole, at = (learnt(one, more.noise) for one in (self.whole, at))
+        moved = shifts(whole, self.doubt, model_error=self.model_error, **asked)
         found = identifiability(at, model_error=self.model_error, wanted=self.wanted, **asked)
         chosen = next_runs(
             at, self.candidates, split=self.split, model_error=self.model_error, **asked
@@ -67,17 +70,22 @@ class Analysis:
         means = () if left.posterior is None else tuple(left.posterior.fields)
         left_out = [*left.left_out, *more.left_out]
         runs = [self.scene.runs[name] for name in at.slopes]
-        record = identifiability_record(found, at, runs, more.profiles, more.basins, left_out)
+        record = identifiability_record(
+            found, at, runs, more.profiles, more.basins, left_out, more.noise
+        )
         record["sentences"] = [
             *found.sentences(before=self.fitted is None, means=means),
             *([] if left.posterior is None else field_sentences(left.posterior)),
+            *mean_sentences(left.means),
             *_banded(left),
             *([] if self.fitted is None else self.fitted.unexplained),
             *_doubts(found, more),
+            *_from_residuals(more),
             *_moved(moved),
             *_next(chosen),
         ]
         record |= {"next_runs": [asdict(one) for one in chosen]}
+        record |= {"means": [mean_record(one) for one in left.means]}
         record |= {"fields": field_record(left.posterior), "bands": band_record(left.bands)}
         record |= {"surface": surface_record(left.posterior)}
         record |= {"shifts": [asdict(one) for one in moved], "misfit": more.misfit}
@@ -102,6 +110,13 @@ def allowing(
         for name, apart in defect.items()
     }
     return replace(at, defect=cut)
+
+
+def learnt(at: inverse.Sensitivity, noise: Mapping[str, ResidualNoise]) -> inverse.Sensitivity:
+    """Slopes beside the noise that the residual of a fit shows, in runs that have it [K]."""
+    levels = {name: one.noise.long_run() for name, one in noise.items() if name in at.noise}
+    stays = {name: max(noise[name].noise.offset, at.staying.get(name, 0.0)) for name in levels}
+    return replace(at, noise={**at.noise, **levels}, staying={**at.staying, **stays})
 
 
 def _size(apart: np.ndarray) -> float:
@@ -136,6 +151,16 @@ def _doubts(found: Identifiability, more: Refits) -> list[str]:
                 "cells and steps, which a profile allows for, are larger than the noise."
             )
     return told
+
+
+def _from_residuals(more: Refits) -> list[str]:
+    """Of which runs the noise is that of a residual, in words."""
+    return [
+        f"{name} has no quiet frames: its noise is what fluctuates in the residual of the fit, "
+        f"{one.noise.white:.2g} K, of which {one.noise.correlation:.0%} is left a frame later. "
+        f"{one.words()}"
+        for name, one in more.noise.items()
+    ]
 
 
 def _moved(found: list[Shift]) -> list[str]:

@@ -10,6 +10,8 @@ from typing import final
 from thermo import inverse
 from thermo.app._configuration import build_meshing, build_prior, build_stepping, number
 from thermo.app._fitted import Fitted
+from thermo.app._regions import Regions, region_means
+from thermo.identify import RegionMean
 from thermo.inverse import Band, FieldPosterior
 from thermo.observe import Scene
 
@@ -17,31 +19,42 @@ from thermo.observe import Scene
 @final
 @dataclass(frozen=True)
 class WantedOfFields:
-    """`budget` [s]; `controls`: points where fields may depart; `bands`: draws [1]; `seed`."""
+    """`budget` [s]; `controls`: points where fields may depart; `bands`: draws [1]; `seed`.
+
+    `regions`: those over which means are wanted.
+    """
 
     budget: float
     controls: int
     bands: int
     seed: int
+    regions: Regions
 
 
 @final
 @dataclass
 class FieldsLeft:
-    """What is left open of fields and predictions, by run, and in words what was not made."""
+    """What is left open of fields and predictions, by run, and in words what was not made.
+
+    `means`: of each field over each region.
+    """
 
     posterior: FieldPosterior | None = None
     bands: dict[str, Band] = field(default_factory=dict)
+    means: list[RegionMean] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)
 
 
 def fields_left(scene: Scene, fitted: Fitted, wanted: WantedOfFields) -> FieldsLeft:
     """Bands of fields and of the runs that are held out, with what the fit was asked [SI].
 
-    The bands of a run are not begun once `wanted.budget` is spent.
+    The bands of a run are not begun once `wanted.budget` is spent, and after them as much time is
+    for profiles of means.
     """
     if wanted.controls == 0:
-        return FieldsLeft(left_out=["Bands of fields and predictions: controls is 0."])
+        return FieldsLeft(
+            left_out=["Bands of fields and predictions, means over regions: controls is 0."]
+        )
     asked = fitted.settings
     model_error = number(asked, "model_error", above=0.0)
     print(f"what the data leave open on up to {wanted.controls} control points", file=sys.stderr)
@@ -69,4 +82,6 @@ def fields_left(scene: Scene, fitted: Fitted, wanted: WantedOfFields) -> FieldsL
             model_error=model_error,
         )  # fmt: skip
         print(f"bands of {name}", file=sys.stderr)
+    found.means, missed = region_means(posterior, wanted.regions, wanted.budget)
+    found.left_out += missed
     return found

@@ -23,6 +23,7 @@ from thermo.app._configuration import (
 from thermo.app._fields_left import FieldsLeft, WantedOfFields, fields_left
 from thermo.app._fitted import Fitted, check_same_body, read_fitted
 from thermo.app._refits import Refits, Wanted, refit
+from thermo.app._regions import build_regions
 from thermo.app._scene import scene_of
 from thermo.errors import InputError
 from thermo.fields import QUANTITIES
@@ -46,7 +47,7 @@ def identify(settings: Mapping[str, Any]) -> None:
     choice = build_field(settings["field"])
     wanted = number(settings, "wanted", above=0.0)
     model_error = number(settings, "model_error", above=0.0)
-    refits, of_fields = _wanted(settings)
+    refits, of_fields = _wanted(settings, fitted)
     scene, _ = scene_of(settings, drop=fitted is not None and fitted.dropped)
     every = asked["unknown"] or scene.unknown
     _check_unknown(every)
@@ -79,7 +80,7 @@ def identify(settings: Mapping[str, Any]) -> None:
     print(f"{identifiability_table(record)}\n\n{told}\n\n{out / 'identifiability.html'}")
 
 
-def _wanted(settings: Mapping[str, Any]) -> tuple[Wanted, WantedOfFields]:
+def _wanted(settings: Mapping[str, Any], fitted: Fitted | None) -> tuple[Wanted, WantedOfFields]:
     """What is to be fitted anew, and what is to be told of fields. Raises `InputError`."""
     budget = _budget(settings)
     draws = number(settings, "draws", whole=True, above=-1)
@@ -92,7 +93,8 @@ def _wanted(settings: Mapping[str, Any]) -> tuple[Wanted, WantedOfFields]:
         )  # fmt: skip
     seed = number(settings, "seed", whole=True)
     refits = Wanted(budget, _starts(settings["starts"]), draws, seed)
-    return refits, WantedOfFields(budget, controls, bands, seed)
+    regions = build_regions(settings["regions"], fitted)
+    return refits, WantedOfFields(budget, controls, bands, seed, regions)
 
 
 def _budget(settings: Mapping[str, Any]) -> float:

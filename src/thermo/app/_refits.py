@@ -10,8 +10,8 @@ from typing import Any, final
 import numpy as np
 
 from thermo.identify import Basins, Profile, basins, profile
-from thermo.inverse import LogModel, Prior, log_model
-from thermo.observe import Scene
+from thermo.inverse import LogModel, Prior, log_model, residual_noises, with_noise
+from thermo.observe import ResidualNoise, Scene
 
 
 @final
@@ -33,10 +33,12 @@ class Refits:
     - `misfit`: root mean square of the whitened residual where the fit ended [1], about 1 where
       simulation and readings agree.
     - `defect`: what cells and steps make wrong, by run, (frames, samples) [K].
+    - `noise`: of runs without quiet frames, from the residual where the fit ended.
     """
 
     misfit: float | None = None
     defect: dict[str, np.ndarray] = field(default_factory=dict)
+    noise: dict[str, ResidualNoise] = field(default_factory=dict)
     profiles: dict[str, Profile] = field(default_factory=dict)
     basins: Basins | None = None
     left_out: list[str] = field(default_factory=list)
@@ -56,7 +58,6 @@ def refit(
     model = log_model(scene, prior=Prior(spread=prior), model_error=model_error, **asked)
     # What is compiled by the first call is not counted.
     residual, _ = model(model.first)
-    begun = time.monotonic()
 
     def watch(count: int) -> None:
         del count
@@ -65,7 +66,11 @@ def refit(
 
     used = sum(float(case.used.sum()) for case in model.objective.cases)
     misfit = float(np.sqrt(np.sum(residual**2) / used))
-    found = Refits(misfit=misfit, defect=model.defect())
+    # What the residual is beyond the noise that was known before it has to show in the misfit.
+    noise = residual_noises(model, scene)
+    model = with_noise(model, scene, noise, model_error=model_error)
+    begun = time.monotonic()
+    found = Refits(misfit=misfit, defect=model.defect(), noise=noise)
     _basins(model, wanted, watch, found)
     _profiles(model, wanted, watch, found)
     return found

@@ -10,12 +10,14 @@ from thermo.identify._identifiability import Identifiability, identifiability
 from thermo.identify._next_run import NextRun, next_runs
 from thermo.identify._path import LEVEL, Model
 from thermo.identify._profile import Profile, profile
+from thermo.identify._region_mean import SURFACE, RegionMean, region_mean, region_profile
 from thermo.identify._shift import Shift, shifts, unknowns_of
 from thermo.identify._spectrum import Spectrum, spectrum
 from thermo.identify._variance_split import VarianceSplit, split_variance
 
 __all__ = [
     "LEVEL",
+    "SURFACE",
     "Alike",
     "Basins",
     "Combination",
@@ -25,6 +27,7 @@ __all__ = [
     "Model",
     "NextRun",
     "Profile",
+    "RegionMean",
     "Shift",
     "Spectrum",
     "VarianceSplit",
@@ -38,6 +41,8 @@ __all__ = [
     "identifiability",
     "next_runs",
     "profile",
+    "region_mean",
+    "region_profile",
     "shifts",
     "spectrum",
     "split_variance",

@@ -38,6 +38,7 @@ from thermo.inverse._field_choice import (
     TwoMaterials,
     Uniform,
 )
+from thermo.inverse._field_loss import FieldLoss
 from thermo.inverse._field_posterior import FieldPosterior, Smoothness
 from thermo.inverse._field_scores import FieldScores, field_scores
 from thermo.inverse._first_order import Adam, LimitedMemoryBfgs
@@ -58,6 +59,7 @@ from thermo.inverse._optimiser import AbstractOptimiser
 from thermo.inverse._posterior import CONTROLS, posterior
 from thermo.inverse._predict import PREDICTION_NODES, predict, simulate
 from thermo.inverse._reading_errors import whiten
+from thermo.inverse._residual_noise import residual_noises, with_noise
 from thermo.inverse._scale import SCALES, Scale
 from thermo.inverse._scale_effect import ScaleEffect
 from thermo.inverse._sensitivity import Sensitivity, sensitivity, unfitted
@@ -90,6 +92,7 @@ __all__ = [
     "Checkpoint",
     "Conditions",
     "Estimate",
+    "FieldLoss",
     "FieldPosterior",
     "FieldScores",
     "GaussNewtonKrylov",
@@ -144,9 +147,11 @@ __all__ = [
     "simulate",
     "stand_in",
     "start",
+    "residual_noises",
     "summary",
     "surface_values",
     "unfitted",
+    "with_noise",
     "weighted_quantile",
     "whiten",
     "with_defects",

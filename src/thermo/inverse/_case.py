@@ -10,7 +10,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from thermo.inverse._conditions import Conditions, conditions
 from thermo.inverse._reading_errors import ReadingErrors
@@ -57,16 +57,32 @@ def constant_error(
 ) -> tuple[Float[np.ndarray, " samples"], Float[np.ndarray, " samples"]]:
     """Constant error [K] of each sample, from its quiet frames, and the variance of that [K2].
 
-    Without quiet frames it is not known, and its variance is what the run states.
+    Without quiet frames it is not known, and its variance is what the run states, or what the noise
+    has of it where that is more.
     """
     quiet, samples = run.recording.quiet, len(run.recording.points)
     if quiet is None or not run.recording.knows_quiet():
-        return np.zeros(samples), np.full(samples, run.constant_error**2)
+        return np.zeros(samples), np.full(samples, max(run.constant_error, noise.offset) ** 2)
     known = np.isfinite(quiet)
     count = np.maximum(known.sum(0), 1)
     error = np.where(known, quiet - run.initial_temperature, 0.0).sum(0) / count
     # A sample that is never seen quiet keeps its values, and an error as the others have it.
     return error, np.where(known.any(0), noise.mean_variance(count), noise.offset**2)
+
+
+def reading_errors(
+    run: Run, noise: Noise, frames: Int[np.ndarray, " frames"], *, model_error: float
+) -> ReadingErrors:
+    """The errors of a run's readings at some of its frames, of a noise and of `model_error` [K]."""
+    _, staying = constant_error(run, noise)
+    fades = noise.correlation > 0
+    own = float(model_error) ** 2 + (0.0 if fades else noise.white**2)
+    return ReadingErrors(
+        own=jnp.asarray(np.full((len(frames), len(staying)), own)),
+        fading=jnp.asarray(noise.white**2 if fades else 0.0, float),
+        kept=jnp.asarray(noise.correlation ** np.diff(frames, prepend=frames[0])),
+        staying=jnp.asarray(staying),
+    )
 
 
 def pinned(run: Run) -> Float[np.ndarray, " samples"]:
@@ -104,16 +120,8 @@ def make_case(
     readout, _ = bind(recording, space.mesh, where=where)
     frames = np.searchsorted(recording.time, np.asarray(grid.frame_time) - 1e-9)
     noise = estimate_noise(recording)
-    offset, staying = constant_error(run, noise)
-    data = jnp.asarray(recording.temperature[frames] - offset)
-    fades = noise.correlation > 0
-    own = float(model_error) ** 2 + (0.0 if fades else noise.white**2)
-    errors = ReadingErrors(
-        own=jnp.asarray(np.full(data.shape, own)),
-        fading=jnp.asarray(noise.white**2 if fades else 0.0, float),
-        kept=jnp.asarray(noise.correlation ** np.diff(frames, prepend=frames[0])),
-        staying=jnp.asarray(staying),
-    )
+    data = jnp.asarray(recording.temperature[frames] - constant_error(run, noise)[0])
+    errors = reading_errors(run, noise, frames, model_error=model_error)
     used = jnp.asarray(recording.valid[frames], float)
     time = jnp.asarray(grid.frame_time, float)
     read = (time, data, used, errors, jnp.asarray(1.0, float), jnp.asarray(pinned(run)))
@@ -142,6 +150,16 @@ def _pad(array: np.ndarray | Array, length: int, axis: int, *, edge: bool) -> np
     return np.pad(array, width, mode="edge" if edge else "constant")
 
 
+def pad_errors(errors: ReadingErrors, frames: int, samples: int) -> ReadingErrors:
+    """Errors [K2] of so many frames and samples [1], as those there are at the end."""
+    return ReadingErrors(
+        own=jnp.asarray(_pad(_pad(errors.own, frames, 0, edge=True), samples, 1, edge=True)),
+        fading=errors.fading,
+        kept=jnp.asarray(_pad(errors.kept, frames, 0, edge=False)),
+        staying=jnp.asarray(_pad(errors.staying, samples, 0, edge=True)),
+    )
+
+
 def _pad_case(case: Case, steps: int, ends: int, frames: int, samples: int) -> Case:
     """Lengthen a case by steps of no duration and by data of no weight."""
     end = float(np.asarray(case.grid.start)[-1] + np.asarray(case.grid.size)[-1])
@@ -162,12 +180,7 @@ def _pad_case(case: Case, steps: int, ends: int, frames: int, samples: int) -> C
         for values in (case.used, case.defect, case.shared)
     )
     held = jnp.asarray(_pad(case.pinned, samples, 0, edge=True))
-    errors = ReadingErrors(
-        own=jnp.asarray(_pad(_pad(case.errors.own, frames, 0, edge=True), samples, 1, edge=True)),
-        fading=case.errors.fading,
-        kept=jnp.asarray(_pad(case.errors.kept, frames, 0, edge=False)),
-        staying=jnp.asarray(_pad(case.errors.staying, samples, 0, edge=True)),
-    )
+    errors = pad_errors(case.errors, frames, samples)
     between = case.between
     if between is not None:
         between = jnp.asarray(_pad(_pad(between, frames, 0, edge=False), ends, 1, edge=False))

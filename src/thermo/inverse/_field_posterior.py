@@ -14,6 +14,7 @@ from scipy.sparse import csr_matrix
 
 from thermo.fields import DepartingField
 from thermo.inverse._estimate import RecoveredField
+from thermo.inverse._field_loss import FieldLoss
 from thermo.inverse._properties import Stated
 from thermo.mesh import Mesh, face_areas
 
@@ -52,6 +53,7 @@ class FieldPosterior:
     - `shift`: by how much the rest of what cells and steps make wrong moves log(phi), for each
       run, and last one deviation of the surface's scale, where it is not exact,
       (unknowns, causes) [1].
+    - `loss`: what the fit makes small, not linearised; None where that is not at hand.
 
     Source: D. J. C. MacKay, Neural Computation 4 (1992) 415; the mean over hyperparameters,
     Kaipio and Somersalo, Statistical and Computational Inverse Problems (2005), section 3.
@@ -64,6 +66,7 @@ class FieldPosterior:
     points: dict[str, Float[np.ndarray, "controls 3"]]
     mixture: list[Smoothness]
     shift: Float[np.ndarray, "unknowns causes"]
+    loss: FieldLoss | None = None
 
     def part(self, name: str) -> slice:
         """Where the controls of a quantity are among those of all [1]."""

@@ -14,11 +14,12 @@ from thermo.inverse._defect import defects, with_defects, with_shared
 from thermo.inverse._estimate import Estimate, RecoveredField, load_estimate
 from thermo.inverse._evidence import Linearised, likely_steps
 from thermo.inverse._field_choice import OnControlPoints
+from thermo.inverse._field_loss import FieldLoss, field_loss
 from thermo.inverse._field_posterior import FieldPosterior, Smoothness
 from thermo.inverse._objective import Objective, run_parts
 from thermo.inverse._properties import Stated
 from thermo.inverse._sensitivity import unfitted
-from thermo.inverse._smoothing import Nearby, linearised
+from thermo.inverse._smoothing import Choice, Nearby, linearised, with_choice
 from thermo.inverse._stages import coarse_tangents, make_objective
 from thermo.inverse._stepping import Stepping
 from thermo.inverse._surface_scale import scale_slopes
@@ -50,7 +51,8 @@ def posterior(
     simulation is taken as linear in log(phi). The weights of the runs are found as in a fit, and so
     is the probability of each smoothness, over all of which the result is summed: a smoothness
     that the data do not fix does not make a band narrow. A third of what `meshing.corrected` takes
-    off counts as unknown, and so does what the scale of the surface leaves open.
+    off counts as unknown, and so does what the scale of the surface leaves open. What was taken as
+    linear is kept under the most probable smoothness (`loss`): `thermo.identify.region_profile`.
 
     Arguments:
 
@@ -87,18 +89,31 @@ def posterior(
         objective = with_defects(objective, defects(task, ready, objective))
     near = linearised(objective, [run.recording.points for run in task.runs])
     pulls = _all_pulls(task, ready, objective, near.slopes)
-    return FieldPosterior(
-        mesh, order, stated, fields, points, *_in_logarithms(objective, near, prior, pulls)
-    )
+    mixture, shift = _in_logarithms(objective, near, prior, pulls)
+    parts = (mixture, shift, _loss(objective, near, mixture))
+    return FieldPosterior(mesh, order, stated, fields, points, *parts)
+
+
+def _loss(objective: Objective, near: Nearby, mixture: list[Smoothness]) -> FieldLoss:
+    """What a fit would make small, as smooth as the data ask for and with their weights."""
+    likely = max(mixture, key=lambda one: one.weight)
+    chosen = with_choice(replace(objective, tangents=None), Choice(likely.steps, near.weights))
+    return field_loss(chosen, likely.move, np.linalg.inv(likely.covariance))
 
 
 def _parts(
     estimate: Estimate | str | Path,
 ) -> tuple[str, Mesh, int, Stated, dict[str, RecoveredField]]:
     if isinstance(estimate, Estimate):
-        return "estimate", estimate.mesh, estimate.order, estimate.stated, estimate.fields
-    path = Path(estimate) / "estimate.npz"
-    return str(path), *load_estimate(path)
+        where = "estimate"
+        mesh, order, stated, fields = (
+            estimate.mesh, estimate.order, estimate.stated, estimate.fields
+        )  # fmt: skip
+    else:
+        path = Path(estimate) / "estimate.npz"
+        where, (mesh, order, stated, fields) = str(path), load_estimate(path)
+    # Columns of a Jacobian are in the order of the alphabet, whatever the order of the fields.
+    return where, mesh, order, stated, dict(sorted(fields.items()))
 
 
 def _in_logarithms(

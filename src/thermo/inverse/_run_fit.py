@@ -23,7 +23,7 @@ def run_fits(fit: Fit, runs: tuple[Run, ...], grids: dict[str, TimeGrid]) -> dic
     whitened = fit.residual
     if whitened is None:
         whitened = eqx.filter_jit(residual)(objective, fit.parameters)
-    apart = _differences(objective, jnp.asarray(whitened))
+    apart = differences(objective, jnp.asarray(whitened))
     measured = [np.asarray(one) for case in objective.cases for one in case.data]
     result, defect = {}, defect_sizes(objective)
     for place, (number, _, weight) in enumerate(run_parts(objective)):
@@ -46,7 +46,7 @@ def run_fits(fit: Fit, runs: tuple[Run, ...], grids: dict[str, TimeGrid]) -> dic
 
 
 @eqx.filter_jit
-def _differences(
+def differences(
     objective: Objective, whitened: Float[Array, " all"]
 ) -> list[Float[Array, "frames samples"]]:
     """Simulated less measured temperatures of each run [K] from the whitened residual [1]."""

@@ -24,6 +24,7 @@ from ._quiet_check import QuietCheck, check_quiet
 from ._recording import Recording, check_time
 from ._recording_read import read_recording
 from ._recording_write import write_recording
+from ._residual_noise import ResidualNoise, residual_noise
 from ._scene import QUANTITIES, Run, Scene, StatedMaterial
 from ._scene_read import FORMAT, read_scene
 from ._scene_write import write_scene
@@ -44,6 +45,7 @@ __all__ = [
     "Prescribed",
     "QuietCheck",
     "Recording",
+    "ResidualNoise",
     "Run",
     "Scene",
     "StatedMaterial",
@@ -64,6 +66,7 @@ __all__ = [
     "read_table",
     "real_array",
     "replacing",
+    "residual_noise",
     "seen_from",
     "variance_error",
     "with_camera_noise",

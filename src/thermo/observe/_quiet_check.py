@@ -69,14 +69,11 @@ def check_quiet(recording: Recording, noise: Noise) -> QuietCheck | None:
     quiet = quiet[np.isfinite(quiet).any(1)][:, np.isfinite(quiet).any(0)]
     if len(quiet) < LEAST_FRAMES or quiet.shape[1] < LEAST_SAMPLES:
         return None
-    sums = np.stack([_squares(quiet, lag) for lag in (1, 2, 3)])
+    sums = np.stack([squares(quiet, lag) for lag in (1, 2, 3)])
     whole = sums.sum(-1)
     if np.any(whole[:, 1] == 0) or whole[0, 0] == 0:
         return None
-    apart = _apart(whole)
-    each = np.array([_apart(whole - sums[:, :, one]) for one in range(sums.shape[-1])])
-    count = len(each)
-    error = float(np.sqrt((count - 1) / count * np.sum((each - each.mean()) ** 2)))
+    apart, error = first_order_misfit(whole), jackknife(sums)
     centred = quiet - np.nanmean(quiet, axis=0)
     known = np.isfinite(centred)
     far = np.abs(centred[known]) > _FAR * noise.white
@@ -87,14 +84,29 @@ def check_quiet(recording: Recording, noise: Noise) -> QuietCheck | None:
     )
 
 
-def _squares(quiet: Float[np.ndarray, "quiet samples"], lag: int) -> Float[np.ndarray, "2 samples"]:
-    """Sum [K2] and number [1] of squared differences over a lag, by sample."""
-    difference = quiet[lag:] - quiet[:-lag]
+def squares(
+    values: Float[np.ndarray, "frames samples"], lag: int, *, far: float = np.inf
+) -> Float[np.ndarray, "2 samples"]:
+    """Sum [K2] and number [1] of squared differences over a lag, by sample.
+
+    Differences beyond `far` robust deviations [1] are left out.
+    """
+    difference = values[lag:] - values[:-lag]
     known = np.isfinite(difference)
+    if np.isfinite(far) and known.any():
+        usual = 1.4826 * np.median(np.abs(difference[known]))
+        known &= np.abs(np.where(known, difference, 0.0)) <= far * usual
     return np.stack([np.sum(np.where(known, difference, 0.0) ** 2, 0), known.sum(0)])
 
 
-def _apart(sums: Float[np.ndarray, "3 2"]) -> float:
+def jackknife(sums: Float[np.ndarray, "3 2 samples"]) -> float:
+    """Standard error of `first_order_misfit` [1], by leaving out one sample at a time."""
+    whole = sums.sum(-1)
+    each = np.array([first_order_misfit(whole - sums[:, :, n]) for n in range(sums.shape[-1])])
+    return float(np.sqrt((len(each) - 1) / len(each) * np.sum((each - each.mean()) ** 2)))
+
+
+def first_order_misfit(sums: Float[np.ndarray, "3 2"]) -> float:
     """By how much d3/d1 is not what d1 and d2 foretell [1]."""
     one, two, three = sums[:, 0] / sums[:, 1]
     r = two / one - 1

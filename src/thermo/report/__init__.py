@@ -26,6 +26,7 @@ from ._write_discovery import discovery_record, discovery_table, write_discovery
 from ._write_identifiability import (
     identifiability_record,
     identifiability_table,
+    mean_record,
     write_identifiability,
 )
 from ._write_inversion import inversion_record, inversion_table, write_inversion
@@ -58,6 +59,7 @@ __all__ = [
     "inversion_record",
     "inversion_table",
     "log_to_rerun",
+    "mean_record",
     "prediction_table",
     "require_writable",
     "surface_record",

@@ -47,6 +47,7 @@ def identifiability_page(record: Record, title: str) -> str:
         _section("Parameters", "parameters", _parameters(record)),
         _section("What cannot be known", "unknown", _free(record)),
         *_fields(record),
+        *_means(record),
         *_bands(record),
         *_shifts(record),
         *_next_runs(record),
@@ -137,6 +138,25 @@ def _fields(record: Record) -> list[str]:
     return [_section("From place to place", "fields", f"{body}\n{_plots(drawn, 'fields')}")]
 
 
+def _means(record: Record) -> list[str]:
+    found = record.get("means", [])
+    if not found:
+        return []
+    header = ["mean of", "over", "of the surface", "value", "95 % interval by slopes", "profile"]
+    rows = [
+        [one["quantity"], one["region"], f"{one['share']:.0%}", f"{one['value']:.4g} {one['unit']}",
+         " to ".join(f"{end:.4g}" for end in one["interval95"]), _ends(one["profile"])]
+        for one in found
+    ]  # fmt: skip
+    drawn = [
+        profile(f"{one['quantity']} over {one['region']}", one["profile"], one["unit"])
+        for one in found
+        if one["profile"] is not None
+    ]
+    body = _table(header, rows, ["mean"] * len(rows))
+    return [_section("Means over regions", "means", f"{body}\n{_plots(drawn, 'means')}")]
+
+
 def _bands(record: Record) -> list[str]:
     found = record.get("bands", {})
     if not found:
@@ -191,13 +211,13 @@ _NEXT = (
 
 def _noise(record: Record) -> str:
     header = ["run", "white [K]", "left in next frame", "offsets [K]", "unknown of these [K]",
-              "from", "tested on the quiet frames"]  # fmt: skip
+              "from", "tested"]  # fmt: skip
     rows = [
         [
             name,
             *(f"{item[key]:.2g}" for key in ("white", "correlation", "offset", "staying")),
             item["source"],
-            "not tested" if item["check"] is None else item["check"]["words"],
+            (item["check"] or item.get("residual") or {"words": "not tested"})["words"],
         ]
         for name, item in record["noise"].items()
     ]

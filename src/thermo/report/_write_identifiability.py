@@ -6,13 +6,15 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from thermo.identify import Basins, Identifiability, Profile
-from thermo.inverse import Sensitivity
-from thermo.observe import Run, check_quiet, estimate_noise
+from thermo.fields import QUANTITIES
+from thermo.identify import Basins, Identifiability, Profile, RegionMean
+from thermo.inverse import NORMAL, Sensitivity
+from thermo.observe import ResidualNoise, Run, check_quiet, estimate_noise
 
 from ._identifiability_page import identifiability_page
 from ._json import write_json
@@ -31,8 +33,12 @@ def identifiability_record(
     profiles: Mapping[str, Profile],
     basins: Basins | None,
     left_out: Sequence[str],
+    learnt: Mapping[str, ResidualNoise] = MappingProxyType({}),
 ) -> dict[str, Any]:
-    """Every number of an analysis as plain data: values [SI], temperatures [K], logarithms [1]."""
+    """Every number of an analysis as plain data: values [SI], temperatures [K], logarithms [1].
+
+    `learnt`: by run, the noise that the residual of the fit shows [K].
+    """
     return {
         "format": "thermofield-identifiability/1",
         "verb": "identify",
@@ -63,7 +69,7 @@ def identifiability_record(
             "directions": found.spectrum.directions,
             "correlation": found.spectrum.correlation(),
         },
-        "noise": {run.name: _noise(run, at) for run in runs},
+        "noise": {run.name: _noise(run, at, learnt.get(run.name)) for run in runs},
         "maps": {run.name: _map(run, at) for run in runs},
         "basins": _basins(basins, found),
         "scatter": _scatter(basins, found),
@@ -89,6 +95,21 @@ def _profile(found: Profile | None) -> dict[str, Any] | None:
         "values": np.exp(found.values),
         "rises": found.rises,
         "remainders": found.remainders,
+    }
+
+
+def mean_record(mean: RegionMean) -> dict[str, Any]:
+    """The mean of a field over a region [SI], its interval by slopes and its profile."""
+    low, high = mean.value * np.exp(NORMAL * mean.deviation * np.array([-1.0, 1.0]))
+    return {
+        "quantity": mean.quantity,
+        "unit": QUANTITIES[mean.quantity].unit,
+        "region": mean.region,
+        "share": mean.share,
+        "value": mean.value,
+        "relative": mean.deviation,
+        "interval95": [float(low), float(high)],
+        "profile": _profile(mean.profile),
     }
 
 
@@ -122,22 +143,40 @@ def _scatter(made: Basins | None, found: Identifiability) -> dict[str, Any] | No
     }
 
 
-def _noise(run: Run, at: Sensitivity) -> dict[str, Any]:
+_SOURCES = {
+    "quiet": "quiet frames",
+    "differences": "second differences of the record",
+    "residuals": "residual of the fit",
+}
+
+
+def _noise(run: Run, at: Sensitivity, learnt: ResidualNoise | None) -> dict[str, Any]:
     record = run.recording
-    noise, quiet = estimate_noise(record), record.quiet
+    noise = estimate_noise(record) if learnt is None else learnt.noise
     check = check_quiet(record, noise)
-    frames = 0 if quiet is None else len(quiet)
+    frames = 0 if record.quiet is None else len(record.quiet)
+    quiet = "quiet" if record.knows_quiet() else "differences"
+    source = quiet if learnt is None else "residuals"
     return {
         "white": noise.white,
         "correlation": noise.correlation,
         "offset": noise.offset,
         "staying": at.staying[run.name],
         "unit": "K",
-        "source": "quiet frames" if frames >= 3 else "second differences of the record",
+        "from": source,
+        "source": _SOURCES[source],
         "quiet_frames": frames,
         "frames": len(record.time),
         "samples": len(record.points),
         "check": None if check is None else {**asdict(check), "words": check.words()},
+        "residual": None
+        if learnt is None
+        else {
+            "z": learnt.z,
+            "changing": learnt.changing,
+            "apart_m": learnt.apart,
+            "words": learnt.words(),
+        },
     }
 
 
