@@ -208,6 +208,7 @@ def test_a_surface_out_of_place_is_brought_to_the_silhouettes(
     )
     assert outcome.code == 0, outcome.err
     assert "aligned: turned by" in outcome.out and "(one standard deviation)" in outcome.out
+    assert "OUT OF PLACE" not in outcome.out
     scene = read_scene(out)
     check_record(out, scene.scale_deviation, "silhouettes", off, middle)
     found = read_surface(scene.surface_path, unit=scene.unit)
@@ -269,7 +270,7 @@ def test_a_surface_out_of_place_is_brought_to_points(
     for more, said in (
         (("points_unit=m",), "another size"),
         (("points_unit=null",), "the unit of the points is not known"),
-        (("points_unit=cameras",), "where camera_scale says"),
+        (("points_unit=cameras",), "length of the cameras' unit"),
         (("points_unit=ft",), "m, cm, mm, inch"),
         (("align=null",), "nothing is brought to the points"),
         (("points=null",), "no points that could have a unit"),
@@ -415,6 +416,29 @@ def test_a_render_that_makes_no_sense_is_refused(
     assert not [one for one in out.glob("*") if out.exists()]
 
 
+def test_a_surface_out_of_place_and_a_scene_that_is_replaced_are_told_of(
+    command: Command, block: Path, cameras: Path, films: list[Path], tmp_path: Path
+) -> None:
+    stated = read_scene(block)
+    right = read_surface(stated.surface_path, unit=stated.unit)
+    moved = trimesh.Trimesh(right.vertices + [0.002, 0.001, 0.0], right.triangles, process=False)
+    moved.export(tmp_path / "off.ply")
+    rooms, out = under_a_lamp(films, 0.0, tmp_path), tmp_path / "scene"
+    outcome = registered(command, block, cameras, rooms, f"out={out}")
+    assert outcome.code == 0, outcome.err
+    assert "OUT OF PLACE?" not in outcome.out and "was replaced" not in outcome.out
+    own = read_scene(out).surface_path
+    kept = own.rename(own.with_name("stood.ply"))
+    record = json.loads((out / "scene.json").read_text("utf-8")) | {"surface": kept.name}
+    (out / "scene.json").write_text(json.dumps(record), encoding="utf-8")
+    words = (f"surface={tmp_path / 'off.ply'}", "unit=m", f"out={out}")
+    outcome = registered(command, block, cameras, rooms, *words)
+    assert outcome.code == 0, outcome.err
+    assert "OUT OF PLACE?" in outcome.out and "align=pose" in outcome.out
+    assert f"the scene that stood in {out} was replaced" in outcome.out
+    assert "stood.ply still lies there and is not used" in outcome.out
+
+
 def test_recordings_in_another_order_are_told_of(
     command: Command, block: Path, cameras: Path, films: list[Path], tmp_path: Path
 ) -> None:
@@ -423,7 +447,7 @@ def test_recordings_in_another_order_are_told_of(
     assert outcome.code == 0, outcome.err
     told = json.loads((out / "recording+registration.json").read_text("utf-8"))["told"]
     words = [one for one in told if "WRONG ORDER?" in one]
-    assert len(words) == 1 and words[0] in outcome.out
+    assert len(words) == 1 and words == told[-1:] and words[0] in outcome.out
     assert f"front {films[0]}, back {films[1]}" in words[0]
 
 

@@ -106,3 +106,20 @@ def test_a_stopped_fit_says_how_to_go_on(
     outcome = command("invert", f"data={block}", cache, *SMALL, f"out={out}")
     assert outcome.code == 130 and "the same command goes on" in outcome.err
     assert [path.name for path in out.iterdir()] == ["checkpoint.npz"]
+
+
+@pytest.mark.parametrize(
+    ("words", "meant"),
+    [
+        (("invert", "datta=x"), "did you mean data?"),
+        (("invert", "feild=uniform"), "did you mean field?"),
+        (("invert", "mesh.max_node=3"), "did you mean mesh.max_nodes?"),
+        (("register", "material.conductivty=3"), "did you mean material.conductivity?"),
+    ],
+)
+def test_a_misspelt_setting_is_told_by_its_right_name(
+    command: Command, words: tuple[str, ...], meant: str
+) -> None:
+    outcome = command(*words)
+    assert outcome.code == 2 and meant in outcome.err
+    assert "did you mean" not in command(words[0], "qqqq=1").err

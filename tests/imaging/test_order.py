@@ -7,7 +7,15 @@ import pytest
 import trimesh
 from cameras import camera_at
 
-from thermo.imaging import Camera, Frames, better_order, looks_of, silhouette, similarity_about
+from thermo.imaging import (
+    Camera,
+    Frames,
+    better_order,
+    contours_apart,
+    looks_of,
+    silhouette,
+    similarity_about,
+)
 from thermo.mesh import Surface
 
 
@@ -91,3 +99,16 @@ def test_frames_of_another_size_are_not_exchanged() -> None:
     cameras = [CAMERAS[0], wide]
     right = [film(one, BRICK) for one in cameras]
     assert better_order(looks_of(BRICK, cameras), right) is None
+
+
+def test_contours_lie_apart_by_what_a_surface_is_moved() -> None:
+    there = contours_apart(looks_of(BRICK, CAMERAS), films(BRICK))
+    assert there is not None and there.shape == (3,) and there.max() < 0.5
+    # The camera above sees 12 mm at 0.4 m through 150 px: 4.5 px on two of four sides, gained or
+    # lost, which over all of its outline is half of that to all of it.
+    shift = similarity_about(np.zeros(3), np.array([0, 0, 0, 0.012, 0, 0, 0]))
+    moved = Surface(shift.apply(BRICK.vertices), BRICK.triangles)
+    apart = contours_apart(looks_of(moved, CAMERAS), films(BRICK))
+    assert apart is not None and 2.0 < apart[2] < 5.0
+    blank = [Frames([0.0, 1.0], np.full_like(film(CAMERAS[0], BRICK).values, 290.0))]
+    assert contours_apart(looks_of(BRICK, CAMERAS[:1]), blank) is None

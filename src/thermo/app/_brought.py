@@ -58,9 +58,16 @@ def cloud_of(settings: Mapping[str, Any], surface: Surface) -> Float[np.ndarray,
             limit=f"align={' or '.join(CHOICES)} beside points",
             remedy="give align=pose, or leave points out",
         )  # fmt: skip
-    if unit is None or (unit == "cameras" and settings["camera_scale"] is None):
+    if unit == "cameras" and settings["camera_scale"] is None:
         raise InputError(
-            "the unit of the points is not known", where="points_unit", value=unit,
+            "the length of the cameras' unit is wanted", where="camera_scale", value="null",
+            limit="metres, beside points_unit=cameras",
+            remedy="give camera_scale=0.001 where their unit is a millimetre, also where their "
+            "file says so; or points_unit=m, cm, mm or inch",
+        )  # fmt: skip
+    if unit is None:
+        raise InputError(
+            "the unit of the points is not known", where="points_unit", value="null",
             limit="m, cm, mm or inch; or cameras, where camera_scale says how long that is",
             remedy="state the unit of the coordinates in the file",
         )  # fmt: skip

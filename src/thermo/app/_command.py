@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import difflib
 import json
 import os
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -93,8 +94,38 @@ def _refusal(verb: str, fault: Exception) -> errors.InputError:
         where="the words after the verb",
         value=found,
         limit=", ".join(listed) or f"the settings of conf/{verb}.yaml, each with a value",
-        remedy=f"`thermo {verb} --help` shows every setting and its choices",
+        remedy=f"{_meant(verb, found)}`thermo {verb} --help` shows every setting and its choices",
     )
+
+
+def _meant(verb: str, found: str) -> str:
+    """The setting whose name is nearest to one that there is not, as a question; or nothing."""
+    name = re.search("override '([^']+)'", found)
+    if name is None:
+        return ""
+    folder = configuration_folder()
+    known = OmegaConf.load(folder / f"{verb}.yaml")
+    names = [*_keys(known)]
+    for group, option in (pair for one in known.defaults for pair in _groups(one)):
+        names += [group, *_keys(OmegaConf.load(folder / group / f"{option}.yaml"), f"{group}.")]
+    near = difflib.get_close_matches(name[1], names, n=1)
+    return f"did you mean {near[0]}? " if near else ""
+
+
+def _groups(default: Any) -> Iterator[tuple[str, str]]:
+    """The group and the option that an entry of a list of defaults names, if it does."""
+    if isinstance(default, DictConfig):
+        yield from (
+            (str(g), str(o)) for g, o in default.items() if not str(g).startswith("override")
+        )
+
+
+def _keys(section: Any, before: str = "") -> Iterator[str]:
+    """All names of settings in a section of a file of settings, those of its parts with dots."""
+    for key, value in section.items_ex(resolve=False):
+        yield f"{before}{key}"
+        if isinstance(value, DictConfig):
+            yield from _keys(value, f"{before}{key}.")
 
 
 def _missing(verb: str, key: str, found: str) -> errors.InputError:

@@ -15,12 +15,11 @@ from thermo.app._brought import cloud_of, to_points, to_silhouettes, with_scale
 from thermo.app._cameras import cameras_of
 from thermo.app._configuration import number
 from thermo.app._recorded import files_of, frames_of, radiometry_of, stated_of
+from thermo.app._register_doubts import order_words, place_words, replaced_words, stood_before
 from thermo.app._stated_scene import check_room, compare_start, run_of, stated_scene
 from thermo.imaging import (
     Camera,
-    Frames,
     Looks,
-    better_order,
     coverage,
     looks_of,
     place_samples,
@@ -62,12 +61,13 @@ def register(settings: Mapping[str, Any]) -> None:
     told = [
         f"{file}: {word}" for file, (_, words) in zip(files, read, strict=True) for word in words
     ]
-    told += _order(looks, frames, files)
+    # What a script would else read past stands last.
+    doubts = order_words(looks, frames, files)
     if settings["align"] is not None and brought is None:
         brought = to_silhouettes(settings, surface, cameras, frames, files)
         scene = with_scale(settings, scene, brought)
         looks = _looks(settings, brought.surface, cameras)
-    told += [] if brought is None else brought.words
+    told += place_words(looks, frames) if brought is None else brought.words
     samples = place_samples(looks, count=count)
     if settings["find_lamp_time"]:
         frames, words = on_time(settings, samples, cameras, frames)
@@ -77,7 +77,9 @@ def register(settings: Mapping[str, Any]) -> None:
     run = run_of(settings, recording)
     told += compare_start(run)
     scene = replace(scene, runs=scene.runs | {run.name: run})
+    before = None if settings["scene"] is not None else stood_before(out)
     _write(out, scene, brought and brought.surface)
+    told += [*replaced_words(out, before), *doubts]
     record = write_registration(
         out, run.name, cameras, samples, coverage(looks), told, settings,
         alignment=brought and brought.found,
@@ -92,21 +94,6 @@ def _looks(settings: Mapping[str, Any], surface: Surface, cameras: Sequence[Came
         margin=number(picked, "margin", "samples.", whole=True, above=-1),
         where=str(settings["cameras"]),
     )  # fmt: skip
-
-
-def _order(looks: Looks, frames: Sequence[Frames], files: Sequence[Path]) -> list[str]:
-    """In words, where the recordings fit the cameras clearly better in another order."""
-    order = better_order(looks, frames)
-    if order is None:
-        return []
-    better = ", ".join(
-        f"{looks.cameras[camera].name} {files[recording]}"
-        for camera, recording in enumerate(order) if recording != camera
-    )  # fmt: skip
-    return [
-        "WRONG ORDER? The silhouettes in the frames fit the cameras clearly better as follows: "
-        f"{better}; frames=[a,b] stand in the order of the cameras"
-    ]
 
 
 def _write(out: Path, scene: Scene, moved: Surface | None) -> None:

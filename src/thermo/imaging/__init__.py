@@ -21,7 +21,7 @@ from ._interpolate import NEAREST, SampleWeights, interpolated, sample_weights
 from ._looks import Looks, look_all, looks_of
 from ._middlebury import write_middlebury
 from ._optics import Optics
-from ._order import better_order
+from ._order import better_order, contours_apart
 from ._pixel_map import PixelMap, depth_at, look
 from ._planck import PlanckConstants
 from ._point_cloud import check_cloud, read_points
@@ -82,6 +82,7 @@ __all__ = [
     "align_to_silhouettes",
     "apparent_temperature",
     "better_order",
+    "contours_apart",
     "camera_to_world",
     "check_cloud",
     "check_count",

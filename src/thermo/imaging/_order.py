@@ -1,4 +1,4 @@
-"""Whether recordings stand in the order of their cameras, by the silhouettes in them."""
+"""Whether recordings fit the cameras and the surface they are said to be of, by silhouettes."""
 
 from __future__ import annotations
 
@@ -42,11 +42,9 @@ def better_order(looks: Looks, frames: Sequence[Frames]) -> tuple[int, ...] | No
 
     Arguments: `looks` of `looks_of`; `frames`, temperatures [K], a recording a camera.
     """
-    try:
-        masks = [mask_of(one) for one in frames]
-    except InputError:
+    apart = _of_all(looks, frames)
+    if apart is None:
         return None
-    apart = _apart([one.triangle >= 0 for one in looks.maps], masks)
     _, order = linear_sum_assignment(apart)
     own, other = np.diag(apart), apart[np.arange(len(order)), order]
     clear = (other < own / _CLEAR) & (other < own - _RESOLVED)
@@ -55,6 +53,29 @@ def better_order(looks: Looks, frames: Sequence[Frames]) -> tuple[int, ...] | No
         if clear[cycle].all():
             kept[cycle] = order[cycle]
     return tuple(kept.tolist()) if (kept != np.arange(len(order))).any() else None
+
+
+def contours_apart(looks: Looks, frames: Sequence[Frames]) -> Float[np.ndarray, " cameras"] | None:
+    """About how far the object's contour in each recording lies from the surface's [px]; or None.
+
+    d_ii of `better_order`: what poses, the surface's place and the masks are off by. It means
+    little where a mask is not of the whole object. None where a recording does not show the object
+    apart from the room.
+
+    Arguments: `looks` of `looks_of`; `frames`, temperatures [K], a recording a camera.
+    """
+    apart = _of_all(looks, frames)
+    return None if apart is None else np.diag(apart)
+
+
+def _of_all(
+    looks: Looks, frames: Sequence[Frames]
+) -> Float[np.ndarray, "cameras recordings"] | None:
+    try:
+        masks = [mask_of(one) for one in frames]
+    except InputError:
+        return None
+    return _apart([one.triangle >= 0 for one in looks.maps], masks)
 
 
 def _apart(

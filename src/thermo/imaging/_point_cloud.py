@@ -91,8 +91,8 @@ def check_cloud(surface: Surface, points: Float[np.ndarray, "points 3"], *, wher
             value=f"half of them over {most:.3g} m at the least" if large else
             f"most of them within {span:.3g} m",
             limit=f"a part of a surface of {size:.3g} m, from an eighth of it to the whole",
-            remedy=f"they span {span / size:.2g} times its size: state another unit of the points "
-            "or of the surface, or cut away what is not the object",
+            remedy=f"they span {span / size:.2g} times its size: {_other_unit(span / size)}, look "
+            "whether the file is of this object, and cut away what is not the object",
         )  # fmt: skip
     box = np.stack([surface.vertices.min(axis=0), surface.vertices.max(axis=0)])
     around = _AROUND * size
@@ -107,6 +107,22 @@ def check_cloud(surface: Surface, points: Float[np.ndarray, "points 3"], *, wher
             remedy="cut away what is not the object; look whether points, cameras and surface have "
             "the same axes and origin, and bring the surface nearer",
         )  # fmt: skip
+
+
+def _other_unit(times: float) -> str:
+    """Which unit would do where a cloud spans so many times the object's size [1]."""
+    near = [
+        f"as if {given} stood for {meant}" for given, meant, factor in _MISTAKEN
+        if 0.5 < times / factor < 2.0
+    ]  # fmt: skip
+    return (f"{near[0]}; state" if near else "state") + " another unit of the points or the surface"
+
+
+_MISTAKEN: Final = (
+    ("m", "mm", 1e3), ("m", "cm", 1e2), ("cm", "mm", 1e1),
+    ("mm", "m", 1e-3), ("cm", "m", 1e-2), ("mm", "cm", 1e-1),
+)  # fmt: skip
+"""Units of points that are stated in place of others, and how much too large they make them [1]."""
 
 
 def _metres(unit: str | float, path: Path) -> float:
