@@ -9,14 +9,15 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from jaxtyping import Array
 
 from thermo.inverse import LevenbergMarquardt, Meshing, OnControlPoints, Prior, Stepping
 from thermo.inverse._case import in_kelvin
-from thermo.inverse._defect import defect_sizes, defects, with_defects, with_shared
+from thermo.inverse._defect import FINER, defect_sizes, defects, with_defects, with_shared
 from thermo.inverse._objective import Objective, residual, run_parts, start
 from thermo.inverse._reading_errors import whiten
 from thermo.inverse._stages import make_stage
-from thermo.inverse._task import Ready, Task, prepare
+from thermo.inverse._task import Ready, Task, mesh_for, prepare
 from thermo.observe import Run, Scene
 
 TRUTH = {"conductivity": 0.8}
@@ -55,6 +56,10 @@ def plain(task: Task, ready: Ready) -> Objective:
     return objective
 
 
+def measured(task: Task, ready: Ready, before: Objective) -> list[Array]:
+    return defects(task, ready, before, mesh_for(task, ready.stated, FINER))
+
+
 def errors(objective: Objective) -> list[np.ndarray]:
     """Simulated less recorded temperatures of each run [K]."""
     plain = replace(objective, cases=tuple(in_kelvin(case) for case in objective.cases))
@@ -67,7 +72,7 @@ def errors(objective: Objective) -> list[np.ndarray]:
 def test_the_defect_takes_off_most_of_what_cells_and_steps_make_wrong(
     task: Task, ready: Ready, plain: Objective
 ) -> None:
-    (apart,) = defects(task, ready, plain)
+    (apart,) = measured(task, ready, plain)
     assert apart.shape == plain.cases[0].data.shape
     padding = apart[plain.sequence.index(1), -FEWER:]
     assert not np.any(padding), "frames that a shorter run lacks need nothing"
@@ -89,12 +94,12 @@ def test_the_defect_takes_off_most_of_what_cells_and_steps_make_wrong(
 def test_a_field_that_varies_is_measured_as_it_stands(
     task: Task, ready: Ready, plain: Objective
 ) -> None:
-    (even,) = defects(task, ready, plain)
+    (even,) = measured(task, ready, plain)
     field = ready.fields["conductivity"]
     # Steep enough that no luck with a mesh hides it: 0.6 to 1.5 on four meshes.
     moved = jnp.linspace(-2.0, 2.0, len(field.control_values()))
     tilted = field.with_parameters(field.parameters() + moved)
-    (apart,) = defects(task, ready, replace(plain, fields={"conductivity": tilted}))
+    (apart,) = measured(task, ready, replace(plain, fields={"conductivity": tilted}))
     # Were the field taken as one value they would be equal.
     assert np.abs(apart - even).max() > 0.3 * np.abs(even).max()
 
@@ -105,5 +110,7 @@ def test_recordings_do_not_enter(task: Task, ready: Ready, plain: Objective) -> 
         return replace(run, recording=replace(record, temperature=record.temperature + 5.0))
 
     other = replace(task, runs=tuple(warmer(run) for run in task.runs))
-    for mine, theirs in zip(defects(task, ready, plain), defects(other, ready, plain), strict=True):
+    for mine, theirs in zip(
+        measured(task, ready, plain), measured(other, ready, plain), strict=True
+    ):
         assert np.array_equal(mine, theirs)

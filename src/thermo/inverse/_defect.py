@@ -46,12 +46,22 @@ Defects = Sequence[Float[Array, "runs frames samples"]]
 """What is added to the temperatures of each group of runs [K]."""
 
 
-def defects(
-    task: Task, ready: Ready, before: Objective
-) -> list[Float[Array, "runs frames samples"]] | None:
-    """By how much finer runs read more than those of `before` [K], with the fields it stands at.
+def less_defects(task: Task, ready: Ready, before: Objective) -> Objective:
+    """The objective with its defects measured where it stands and taken off.
 
-    None where the surface cannot be meshed so finely: a fit need not be lost for that.
+    As it is where the surface cannot be meshed so finely: what was done need not be lost for that.
+    """
+    try:
+        finer = mesh_for(task, ready.stated, FINER)
+    except InputError:
+        return before
+    return with_defects(before, defects(task, ready, before, finer))
+
+
+def defects(
+    task: Task, ready: Ready, before: Objective, finer: Mesh
+) -> list[Float[Array, "runs frames samples"]]:
+    """By how much runs on a `finer` mesh [m] read more than those of `before` [K], where it stands.
 
     Added to the simulation of fields near these, it takes off most of what cells and steps make
     wrong: values move by it, and a field would bend to it where temperatures alone do not show it.
@@ -60,10 +70,6 @@ def defects(
     Source: Stetter, Numerische Mathematik 29 (1978) 425, the defect correction; Kaipio and
     Somersalo, J. Comput. Appl. Math. 198 (2007) 493, the mean of the approximation error.
     """
-    try:
-        finer = mesh_for(task, ready.stated, FINER)
-    except InputError:
-        return None
     there = finer_readings(task, ready, before, start(before), finer)
     return [
         jnp.asarray(np.where(np.isnan(finer), 0.0, finer - mine))

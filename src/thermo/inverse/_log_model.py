@@ -13,7 +13,7 @@ from jaxtyping import Float
 from thermo.errors import InputError
 from thermo.fields import QUANTITIES
 from thermo.inverse._body import Meshing
-from thermo.inverse._defect import defects, with_defects, with_shared
+from thermo.inverse._defect import less_defects, with_shared
 from thermo.inverse._field_choice import Uniform
 from thermo.inverse._objective import Objective, jacobian
 from thermo.inverse._sensitivity import logarithm_slopes, unfitted
@@ -98,7 +98,7 @@ def log_model(
     ready = prepare(task)
     objective = make_objective(task, ready, task.meshing.order)
     if task.meshing.corrected:
-        objective = with_shared(with_defects(objective, defects(task, ready, objective)))
+        objective = with_shared(less_defects(task, ready, objective))
     values = [float(objective.fields[name].control_values()[0]) for name in task.names]
     limits = [(QUANTITIES[name].lower, QUANTITIES[name].upper) for name in task.names]
     runs = tuple(run.name for run in task.runs)

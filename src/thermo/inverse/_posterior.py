@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from thermo.fields import QUANTITIES, departing_field, place_control_points
 from thermo.inverse._body import Meshing, surface_of
-from thermo.inverse._defect import defects, with_defects, with_shared
+from thermo.inverse._defect import less_defects, with_shared
 from thermo.inverse._estimate import Estimate, RecoveredField, load_estimate
 from thermo.inverse._evidence import Linearised, likely_steps
 from thermo.inverse._field_choice import OnControlPoints
@@ -86,7 +86,7 @@ def posterior(
     if task.meshing.coarse_tangents is not False:
         objective = replace(objective, tangents=coarse_tangents(task, ready))
     if task.meshing.corrected:
-        objective = with_defects(objective, defects(task, ready, objective))
+        objective = less_defects(task, ready, objective)
     near = linearised(objective, [run.recording.points for run in task.runs])
     pulls = _all_pulls(task, ready, objective, near.slopes)
     mixture, shift = _in_logarithms(objective, near, prior, pulls)

@@ -9,7 +9,7 @@ import numpy as np
 
 from thermo.inverse._body import of_order
 from thermo.inverse._case import group_cases, make_case, stack_cases
-from thermo.inverse._defect import defects, with_defects
+from thermo.inverse._defect import less_defects, with_defects
 from thermo.inverse._field_choice import AbstractStagedChoice, Uniform
 from thermo.inverse._least_squares import LevenbergMarquardt
 from thermo.inverse._objective import Objective
@@ -91,8 +91,7 @@ def make_stage(task: Task, ready: Ready, number: int, before: Objective | None) 
     last = plain - 1 - corrected(task)
     if number > last:
         assert before is not None, "fields have been fitted"
-        apart = defects(task, ready, before)
-        return before if apart is None else with_defects(before, apart)
+        return less_defects(task, ready, before)
     if asked:
         ready = _one_value(ready, before)
     elif before is not None:
