@@ -63,8 +63,8 @@ def test_diffusivity_loss_and_offsets_come_back(
     plain, freed = example.run(tmp_path / "data", tmp_path / "scene")
     assert plain.rmse > 0.1
     assert freed.rmse < 0.03
-    assert freed.diffusivity == pytest.approx(ALPHA, rel=0.03)
-    assert freed.convection == pytest.approx(LOSS, rel=0.1)
+    assert freed.diffusivity == pytest.approx(ALPHA, rel=0.04)
+    assert freed.convection == pytest.approx(LOSS, rel=0.15)
     assert freed.rmse < plain.rmse_free + 0.01
     picture = tmp_path / "rod.png"
     example.draw(picture, plain)
