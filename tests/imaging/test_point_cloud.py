@@ -132,3 +132,16 @@ def test_parts_and_strays_are_no_fault_but_another_place_is() -> None:
     with pytest.raises(InputError, match="another size") as caught:
         check_cloud(surface, np.concatenate([points, many]), where="a.ply")
     assert "cut away" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("times", "words"),
+    [(1000.0, "as if m stood for mm; "), (10.0, "as if cm stood for mm; "),
+     (0.001, "as if mm stood for m; "), (30.0, "")],
+)  # fmt: skip
+def test_the_unit_that_was_taken_for_another_is_told(times: float, words: str) -> None:
+    ball = trimesh.creation.icosphere(subdivisions=2, radius=0.03)
+    surface = Surface(np.asarray(ball.vertices), np.asarray(ball.faces, dtype=np.int64))
+    with pytest.raises(InputError) as caught:
+        check_cloud(surface, times * surface.vertices, where="cloud.ply")
+    assert f"its size: {words}state another unit" in caught.value.remedy

@@ -131,13 +131,13 @@ def test_fewer_runs_leave_more_open_and_a_folder_does_for_an_estimate(
 def test_bands_hold_the_readings_of_a_run_that_was_not_fitted(
     block: Path, left: FieldPosterior
 ) -> None:
-    # Cells this coarse are wrong by a few hundredths of a kelvin under the lamp.
-    (found,) = bands(block, left, draws=8, model_error=0.05).values()
+    # Cells this coarse are wrong by some hundredths of a kelvin under the lamp, by how many depends
+    # on the mesh: on one of three a band with 0.05 K held 94.7 %.
+    (found,) = bands(block, left, draws=8, model_error=0.08).values()
     assert found.deviation.shape == (len(found.time), len(found.points))
     # Before the lamp is on nothing depends on the field.
     assert found.deviation[0].max() < 1e-6 < found.deviation[-1].min()
-    # Of readings that err together on a mesh a band of 95 % holds somewhat more or less.
-    assert found.inside > 0.9
+    assert found.inside > 0.95
     again = bands(block, left, draws=8, runs=("test_lamp",), model_error=0.0)["test_lamp"]
     assert np.array_equal(again.deviation, found.deviation) and again.inside < found.inside
 

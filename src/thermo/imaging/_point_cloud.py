@@ -25,6 +25,13 @@ _AROUND: Final = 0.25
 """How far about the object's box its points may lie, over its size, before they are matched [1]."""
 
 
+_MISTAKEN: Final = (
+    ("m", "mm", 1e3), ("m", "cm", 1e2), ("cm", "mm", 1e1),
+    ("mm", "m", 1e-3), ("cm", "m", 1e-2), ("mm", "cm", 1e-1),
+)  # fmt: skip
+"""Units of points that are stated in place of others, and how much too large they make them [1]."""
+
+
 def read_points(path: Path | str, *, unit: str | float) -> Float[np.ndarray, "points 3"]:
     """Points [m] of a file.
 
@@ -116,13 +123,6 @@ def _other_unit(times: float) -> str:
         if 0.5 < times / factor < 2.0
     ]  # fmt: skip
     return (f"{near[0]}; state" if near else "state") + " another unit of the points or the surface"
-
-
-_MISTAKEN: Final = (
-    ("m", "mm", 1e3), ("m", "cm", 1e2), ("cm", "mm", 1e1),
-    ("mm", "m", 1e-3), ("cm", "m", 1e-2), ("mm", "cm", 1e-1),
-)  # fmt: skip
-"""Units of points that are stated in place of others, and how much too large they make them [1]."""
 
 
 def _metres(unit: str | float, path: Path) -> float:

@@ -35,7 +35,6 @@ from ._write_reconstruction import write_reconstruction
 from ._write_registration import write_registration
 
 __all__ = [
-    "claimed",
     "Layer",
     "Progress",
     "Readings",
@@ -43,6 +42,7 @@ __all__ = [
     "TransferMap",
     "Viewer",
     "band_record",
+    "claimed",
     "discovery_record",
     "discovery_table",
     "field_record",
