@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -47,6 +49,18 @@ def test_repeated_fits_scatter_as_expected() -> None:
     fits = np.concatenate(errors, axis=1) @ np.linalg.pinv(np.concatenate(rows)).T
     # 4000 fits know a standard deviation to 1.1 %.
     assert np.std(fits, axis=0) == pytest.approx(expected, rel=0.05)
+
+
+def test_what_samples_have_in_common_does_not_average_out_over_them() -> None:
+    random, noise, frame, lasting = np.random.default_rng(3), 0.05, 0.04, 0.02
+    one = slopes(1, 2)
+    common = {"run": (frame, lasting)}
+    (a, b) = expected_errors(replace(at(one, noise), common=common), model_error=1e-9)
+    error = noise * random.standard_normal((4000, FRAMES, SAMPLES))
+    error += frame * random.standard_normal((4000, FRAMES, 1))
+    error += lasting * random.standard_normal((4000, 1, 1))
+    fits = error.reshape(4000, -1) @ np.linalg.pinv(one.reshape(-1, 2)).T
+    assert np.std(fits, axis=0) == pytest.approx([a.relative, b.relative], rel=0.05)
 
 
 def test_what_no_run_shows_is_not_known() -> None:

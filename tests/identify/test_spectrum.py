@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from thermo.errors import InputError
 from thermo.fields import QUANTITIES
 from thermo.identify import identifiability, spectrum
+from thermo.identify._information import information, pulls
 from thermo.inverse import Meshing, Sensitivity, Stepping, sensitivity
 
 NAMES = ("conductivity", "convection", "emissivity")
@@ -46,6 +47,29 @@ def test_covariance_and_shares_are_those_of_a_linear_fit(seed: int, model: float
     assert np.all((shares > 0) & (shares < 1))
     assert shares.sum() == pytest.approx(found.known().sum(), rel=1e-9)
     assert np.diagonal(found.correlation()) == pytest.approx(1.0)
+
+
+@given(seed=st.integers(0, 999), frame=st.floats(0.01, 2.0), lasting=st.floats(0.0, 1.0))
+@settings(max_examples=20, deadline=None)
+def test_what_samples_have_in_common_is_allowed_for_as_their_covariance_asks(
+    seed: int, frame: float, lasting: float
+) -> None:
+    at = replace(made(seed), common={"a": (frame, lasting)})
+    defect = {"a": np.random.default_rng(seed).standard_normal((FRAMES, SAMPLES))}
+    at = replace(at, defect=defect)
+    wanted, pulled = np.zeros((3, 3)), np.zeros(3)
+    for run, slopes in at.slopes.items():
+        frames, samples = np.divmod(np.arange(FRAMES * SAMPLES), SAMPLES)
+        covariance = at.noise[run] ** 2 * np.eye(len(frames))
+        covariance += 0.3**2 * (samples[:, None] == samples)
+        if run == "a":
+            covariance += frame**2 * (frames[:, None] == frames) + lasting**2
+        rows = slopes.reshape(-1, 3)
+        wanted += rows.T @ np.linalg.solve(covariance, rows)
+        if run == "a":
+            pulled = rows.T @ np.linalg.solve(covariance, defect["a"].ravel())
+    assert information(at, 0.3) == pytest.approx(wanted, rel=1e-8, abs=1e-9)
+    assert pulls(at, 0.3)[:, 0] == pytest.approx(pulled, rel=1e-8, abs=1e-9)
 
 
 def test_the_prior_is_even_over_the_bounds_where_none_is_given() -> None:

@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from thermo.errors import InputError
-from thermo.inverse._case import Case, group_cases, make_case, stack_cases
+from thermo.inverse._case import Case, group_cases, in_kelvin, make_case, stack_cases
+from thermo.inverse._reading_errors import whiten
 from thermo.observe import Recording, Run, Scene, estimate_noise
 from thermo.physics import discretise, uniform_steps
 
@@ -112,14 +114,62 @@ def test_errors_fade_as_the_quiet_frames_do_and_a_part_of_each_offset_stays(scen
 
 def test_noise_of_its_own_in_each_reading_does_not_fade(scene: Scene) -> None:
     run = scene.runs["lamp"]
-    ripple = 0.05 * np.resize([1.0, -1.0], 10)[:, None]
-    quiet = run.initial_temperature + ripple + np.zeros(len(run.recording.points))
+    samples = np.resize([1.0, -1.0], len(run.recording.points))
+    quiet = run.initial_temperature + 0.05 * np.resize([1.0, -1.0], 10)[:, None] * samples
     run = recorded(run, quiet=quiet)
     white = estimate_noise(run.recording).white
     errors = case(run).errors
     assert float(errors.fading) == 0.0
     assert np.allclose(errors.own, white**2 + 0.01**2)
     assert np.allclose(errors.staying, white**2 / 10)
+    assert errors.common is None
+
+
+def off_as_a_whole(run: Run, size: float) -> Run:
+    """The run with ten quiet frames, each off by so much [K] in all samples beside its noise."""
+    random = np.random.default_rng(1)
+    error = 0.05 * random.standard_normal((10, len(run.recording.points)))
+    common = size * random.standard_normal((10, 1))
+    return recorded(run, quiet=run.initial_temperature + error + common)
+
+
+def test_what_quiet_frames_have_in_common_is_in_the_errors_of_all_samples(scene: Scene) -> None:
+    run = off_as_a_whole(scene.runs["lamp"], 0.1)
+    found = estimate_noise(run.recording)
+    made = case(run)
+    assert made.errors.common is not None and 0.05 < found.frame < 0.2
+    alone = replace(made.errors, common=None)
+    # Each by itself, and the mean of ten that the constant errors are off by.
+    assert np.allclose(made.errors.variance() - alone.variance(), found.frame**2 * 1.1)
+    alike = jnp.ones_like(made.data) * made.used
+    before, after = (float(jnp.sum(whiten(one, made.used, alike) ** 2))
+                     for one in (alone, made.errors))  # fmt: skip
+    frames = made.data.shape[0]
+    # Of one kelvin in common: known by the frames together, and by no more than ten were.
+    assert after < 1 / (found.frame**2 / frames + found.frame**2 / 10) < before / 5
+    kelvin = in_kelvin(made)
+    assert kelvin.errors.common is None and np.all(kelvin.weight()[made.used > 0] == 1)
+
+
+def test_common_errors_are_padded_and_stacked_apart_from_others(scene: Scene) -> None:
+    lamp, cooling = (off_as_a_whole(scene.runs[name], 0.1) for name in ("lamp", "cooling"))
+    old = cooling.recording
+    fewer = Recording(
+        old.points[:20], old.time[:13], old.temperature[:13, :20], old.valid[:13, :20],
+        None if old.quiet is None else old.quiet[:, :20],
+    )  # fmt: skip
+    cases = [case(lamp), case(scene.runs["lamp"]), case(replace(cooling, recording=fewer))]
+    assert group_cases(cases) == [[0, 2], [1]]
+    stacked = stack_cases(cases)[0]
+    short = cases[2]
+    padded = jax.tree.map(lambda leaf: leaf[1], stacked)
+    apart = np.random.default_rng(0).standard_normal(short.data.shape)
+    wide = np.zeros(padded.data.shape)
+    wide[:13, :20] = apart
+    found = np.asarray(whiten(padded.errors, padded.used, jnp.asarray(wide)))
+    wanted = np.asarray(whiten(short.errors, short.used, jnp.asarray(apart)))
+    np.testing.assert_allclose(found[:13, :20], wanted, atol=1e-9)
+    assert np.all(found[13:] == 0) and np.all(found[:, 20:] == 0)
 
 
 def test_a_case_takes_the_frames_of_its_grid(scene: Scene) -> None:

@@ -5,12 +5,15 @@ from __future__ import annotations
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.linalg import block_diag
 
 from thermo.inverse._reading_errors import (
     ReadingErrors,
     colour,
+    in_common,
     whiten,
     with_again,
     without,
@@ -68,6 +71,27 @@ def test_colouring_undoes_it(kind: tuple[ReadingErrors, np.ndarray, int]) -> Non
     apart = colour(errors, jnp.asarray(used), jnp.asarray(white))
     again = whiten(errors, jnp.asarray(used), apart)
     np.testing.assert_allclose(again, white * used, rtol=1e-9, atol=1e-9)
+
+
+@given(kinds(), st.sampled_from([0.0, 0.4]), st.sampled_from([0.0, 0.2]))
+@settings(max_examples=15, deadline=None)
+def test_what_samples_have_in_common_is_whitened_as_the_whole_covariance_asks(
+    kind: tuple[ReadingErrors, np.ndarray, int], frame: float, lasting: float
+) -> None:
+    alone, used, seed = kind
+    errors = in_common(alone, jnp.asarray(used), frame, lasting)
+    apart = np.random.default_rng(seed).standard_normal((FRAMES, SAMPLES)) * used
+    # Of samples one after the other, each with all its frames.
+    whole = block_diag(*(covariance(alone, sample) for sample in range(SAMPLES)))
+    whole += np.tile(frame**2 * np.eye(FRAMES) + lasting**2, (SAMPLES, SAMPLES))
+    has = used.T.ravel() > 0
+    wanted = apart.T.ravel()[has] @ np.linalg.solve(whole[np.ix_(has, has)], apart.T.ravel()[has])
+    white = whiten(errors, jnp.asarray(used), jnp.asarray(apart))
+    assert float(jnp.sum(white**2)) == pytest.approx(wanted, rel=1e-8)
+    back = np.asarray(colour(errors, jnp.asarray(used), white)) * used
+    np.testing.assert_allclose(back, apart, atol=1e-8)
+    extra = np.asarray(errors.variance() - alone.variance())
+    np.testing.assert_allclose(extra, frame**2 + lasting**2, rtol=1e-12)
 
 
 def test_what_a_missing_reading_would_be_is_foretold_by_the_others() -> None:

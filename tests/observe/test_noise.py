@@ -41,6 +41,27 @@ def test_quiet_frames_give_all_three_numbers(
     assert noise.correlation == pytest.approx(correlation, abs=0.1)
 
 
+@pytest.mark.parametrize("samples", [8, 300])
+@pytest.mark.parametrize("correlation", [0.0, 0.5])
+def test_what_whole_frames_are_off_by_is_told_from_the_rest(
+    samples: int, correlation: float
+) -> None:
+    found = []
+    for seed in range(60):
+        record = noisy(0.05, 0.03, correlation, seed=seed, frames=3, samples=samples)
+        assert estimate_noise(record).frame == 0.0 or samples == 300
+        common = 0.04 * np.random.default_rng(seed).standard_normal((25, 1))
+        quiet = record.quiet + common
+        found.append(estimate_noise(Recording(record.points, record.time, record.temperature,
+                                              quiet=quiet)))  # fmt: skip
+    # The spread of 25 frames is known to 16 %, its mean over 60 to 2 %.
+    assert np.mean([one.frame for one in found]) == pytest.approx(0.04, rel=0.12)
+    assert np.mean([one.white for one in found]) == pytest.approx(0.05, rel=0.1)
+    assert np.mean([one.correlation for one in found]) == pytest.approx(correlation, abs=0.07)
+    whole = np.sqrt(found[0].white ** 2 + found[0].frame ** 2)
+    assert found[0].fluctuation() == pytest.approx(whole)
+
+
 @settings(max_examples=15, deadline=None)
 @given(st.floats(0.01, 0.2), st.integers(0, 2**31))
 def test_record_alone_gives_the_white_part(white: float, seed: int) -> None:

@@ -55,6 +55,8 @@ def test_offsets_of_whole_frames_are_seen() -> None:
     found = check(fluctuation(0.0, 0) + 0.4 * random.standard_normal((FRAMES, 1)))
     assert found.frame_offset == pytest.approx(0.4 * 0.05, rel=0.4)
     assert "Whole frames" in found.words()
+    # Beside it the fluctuation is as it was.
+    assert abs(found.z) < 4 and found.far == 0
 
 
 def test_readings_far_out_are_seen() -> None:

@@ -19,7 +19,9 @@ from thermo.physics import (
     assemble,
     discretise,
     every_step,
+    lengthened,
     plan_steps,
+    rounded_up,
     solve_heat,
     uniform_steps,
 )
@@ -174,3 +176,31 @@ def test_steps_are_short_after_a_switch() -> None:
     assert len(after) == 1
     before = after[0] - 2
     assert grid.size[after[0]] < 0.5 * grid.size[before]
+
+
+@given(count=st.integers(1, 100000))
+def test_counts_are_rounded_up_by_a_quarter_at_most(count: int) -> None:
+    assert count <= rounded_up(count) <= max(1.25 * count, count)
+    assert rounded_up(rounded_up(count)) == rounded_up(count)
+
+
+def test_an_octave_has_few_counts() -> None:
+    assert len({rounded_up(count) for count in range(64, 128)}) <= 5
+
+
+def test_steps_of_no_duration_change_nothing() -> None:
+    space = discretise(box_mesh((0.01, 0.01, 0.01), (3, 3, 3)))
+    cells, faces = len(space.mesh.cells), len(space.mesh.faces)
+    air = Convection(jnp.full(faces, 20.0), 290.0)
+    model = Model(space, jnp.full(cells, 0.2), jnp.full(cells, 1e6), (air,))
+    grid = every_step(uniform_steps(FRAMES, 1.7, SWITCHES))
+    more = lengthened(grid, len(grid.start) + 5, len(grid.frame_time) + 3)
+    assert not more.even
+    first = jnp.full(len(space.mesh.nodes), 320.0)
+    solver = ConjugateGradient(rtol=1e-10)
+    one, other = (
+        simulate(model, first, each, integrator=Sdirk2(), solver=solver).temperature
+        for each in (grid, more)
+    )
+    np.testing.assert_allclose(other[: len(one)], one, rtol=1e-12)
+    np.testing.assert_array_equal(other[len(one) :], np.repeat(other[-1:], 3, axis=0))

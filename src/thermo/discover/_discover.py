@@ -127,7 +127,9 @@ def _answer(
         held_out=proof,
         missed={name: one for name, one in _missed(path.table).items() if name not in named},
         cells=_sizes(begun, left),
-        noise={run.name: estimate_noise(run.recording).white for run in begun.bench.task.runs},
+        noise={
+            run.name: estimate_noise(run.recording).fluctuation() for run in begun.bench.task.runs
+        },
         parameters=_parameters(begun, path.standing),
         alias=aliases(path.table),
         calibration=path.calibrated,

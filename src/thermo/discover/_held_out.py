@@ -53,7 +53,7 @@ def _compared(one: Objective, apart: tuple[np.ndarray, np.ndarray], run: Run) ->
         np.asarray(whitened(one, [jnp.asarray(each)])).reshape(used.shape[-2:]) for each in apart
     )
     squares = np.stack([np.sum(told**2, 0), np.sum(rest**2, 0), used[0].sum(0)])
-    noise = estimate_noise(run.recording).white
+    noise = estimate_noise(run.recording).fluctuation()
     whole = squares.sum(1)
     # Beyond the scatter of noise alone there is nothing to close.
     if whole[0] - whole[2] <= 5 * np.sqrt(2 * whole[2]):

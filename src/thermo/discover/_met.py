@@ -32,7 +32,7 @@ def met_runs(standing: Standing) -> dict[str, RunFit]:
             measured = measured - staying(measured - read[here], run)
             found[run.name] = RunFit(
                 rmse=float(np.sqrt(np.nanmean((read[here] - measured) ** 2))),
-                noise=estimate_noise(run.recording).white,
+                noise=estimate_noise(run.recording).fluctuation(),
                 defect=sizes[number],
                 deviation=1 / float(weight.max()),
                 time=time,

@@ -44,7 +44,7 @@ def expected_errors(at: Sensitivity, *, model_error: float = 0.01) -> list[Expec
 
     C holds `noise`^2 for each reading by itself, and for what stays the same over all frames of a
     sample `model`^2, for an error of the simulation, and `staying`^2: such errors do not average
-    out over time.
+    out over time. What samples have in common (`common`) does not average out over them.
 
     Arguments:
 
@@ -73,6 +73,10 @@ def expected_errors(at: Sensitivity, *, model_error: float = 0.01) -> list[Expec
         repeated = over_time.T @ over_time
         stays = model_error**2 + at.staying.get(run, 0.0) ** 2
         spread += (noise**2 * each + stays * repeated) / variance**2
+        frame, lasting = at.common.get(run, (0.0, 0.0))
+        alike = slopes.sum(1)
+        once = alike.sum(0)
+        spread += (frame**2 * alike.T @ alike + lasting**2 * np.outer(once, once)) / variance**2
         square += np.diagonal(each)
         readings += slopes.shape[0] * slopes.shape[1]
     deviation = _deviations(information, spread)

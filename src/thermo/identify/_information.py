@@ -29,7 +29,9 @@ def information(at: Sensitivity, model_error: float) -> Float[np.ndarray, "unkno
 
         J'C^-1 J = 1/noise^2 sum over samples (sum_t J_t'J_t - m s's),   s = sum_t J_t,
 
-    with m = stays^2 / (noise^2 + frames stays^2), stays^2 = model_error^2 + staying^2.
+    with m = stays^2 / (noise^2 + frames stays^2), stays^2 = model_error^2 + staying^2. What the n
+    samples of a frame have in common (`common`) adds n times its square to the variances of
+    sqrt(n) times their mean, and nothing to those of what is left of J without that mean.
 
     Arguments: `at`: slopes of the temperatures [K]; `model_error` [K].
 
@@ -38,16 +40,40 @@ def information(at: Sensitivity, model_error: float) -> Float[np.ndarray, "unkno
     check_model_error(model_error)
     total = np.zeros((len(at.names), len(at.names)))
     for run, slopes in at.slopes.items():
-        over_time = slopes.sum(0)
-        each = np.einsum("tsi,tsj->ij", slopes, slopes)
-        share = _share(at, run, model_error)
-        total += (each - share * over_time.T @ over_time) / at.noise[run] ** 2
+        total += _weighed(at, run, model_error, slopes, slopes)
     return total
 
 
-def _share(at: Sensitivity, run: str, model_error: float) -> float:
+def _weighed(
+    at: Sensitivity,
+    run: str,
+    model_error: float,
+    left: Float[np.ndarray, "frames samples lefts"],
+    right: Float[np.ndarray, "frames samples rights"],
+) -> Float[np.ndarray, "lefts rights"]:
+    """L' C^-1 R of one run."""
+    noise = at.noise[run] ** 2
     stays = model_error**2 + at.staying.get(run, 0.0) ** 2
-    return stays / (at.noise[run] ** 2 + len(at.slopes[run]) * stays)
+    frame, lasting = at.common.get(run, (0.0, 0.0))
+    if frame == 0.0:
+        return _each_by_itself(left, right, noise, stays)
+    count = left.shape[1]
+    first, second = (part.mean(1, keepdims=True) for part in (left, right))
+    apart = _each_by_itself(left - first, right - second, noise, stays)
+    wide = noise + count * frame**2, stays + count * lasting**2
+    return apart + count * _each_by_itself(first, second, *wide)
+
+
+def _each_by_itself(
+    left: Float[np.ndarray, "frames samples lefts"],
+    right: Float[np.ndarray, "frames samples rights"],
+    noise: float,
+    stays: float,
+) -> Float[np.ndarray, "lefts rights"]:
+    """The same for samples that have nothing in common; variances [K2]."""
+    share = stays / (noise + len(left) * stays)
+    every = np.einsum("tsi,tsj->ij", left, right) - share * left.sum(0).T @ right.sum(0)
+    return every / noise
 
 
 def pulls(at: Sensitivity, model_error: float) -> Float[np.ndarray, "unknowns causes"]:
@@ -65,13 +91,10 @@ def pulls(at: Sensitivity, model_error: float) -> Float[np.ndarray, "unknowns ca
 def _pulled(
     at: Sensitivity, causes: Mapping[str, Float[np.ndarray, "frames samples"]], model_error: float
 ) -> list[Float[np.ndarray, " unknowns"]]:
-    columns = []
-    for run, apart in causes.items():
-        slopes = at.slopes[run]
-        along = np.einsum("tsi,ts->i", slopes, apart)
-        staying = slopes.sum(0).T @ apart.sum(0)
-        columns.append((along - _share(at, run, model_error) * staying) / at.noise[run] ** 2)
-    return columns
+    return [
+        _weighed(at, run, model_error, at.slopes[run], apart[..., None])[:, 0]
+        for run, apart in causes.items()
+    ]
 
 
 def bounds_of(name: str) -> tuple[float, float]:

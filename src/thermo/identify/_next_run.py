@@ -112,6 +112,7 @@ def _both(now: Sensitivity, more: Sensitivity, name: str) -> Sensitivity:
         noise=added(now.noise, more.noise),
         accuracy=max(now.accuracy, more.accuracy),
         staying=added(now.staying, more.staying),
+        common=added(now.common, more.common),
         values=now.values,
     )
 

@@ -12,10 +12,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
+from thermo.inverse._common_errors import CommonErrors
 from thermo.inverse._conditions import Conditions, conditions
-from thermo.inverse._reading_errors import ReadingErrors
+from thermo.inverse._reading_errors import ReadingErrors, in_common
 from thermo.observe import Noise, Run, bind, estimate_noise
-from thermo.physics import Discretisation, ReadOut, TimeGrid, between_steps
+from thermo.physics import Discretisation, ReadOut, TimeGrid, between_steps, lengthened
 
 
 @final
@@ -70,6 +71,17 @@ def constant_error(
     return error, np.where(known.any(0), noise.mean_variance(count), noise.offset**2)
 
 
+def common_deviations(run: Run, noise: Noise) -> tuple[float, float]:
+    """Of what all samples of a frame have in common, and of what all readings of a run have [K].
+
+    What quiet frames have in common is taken for a constant error, and leaves their share of it.
+    """
+    quiet = run.recording.quiet
+    if noise.frame == 0 or quiet is None:
+        return 0.0, 0.0
+    return noise.frame, float(noise.frame / np.sqrt(np.isfinite(quiet).any(1).sum()))
+
+
 def reading_errors(
     run: Run, noise: Noise, frames: Int[np.ndarray, " frames"], *, model_error: float
 ) -> ReadingErrors:
@@ -77,12 +89,16 @@ def reading_errors(
     _, staying = constant_error(run, noise)
     fades = noise.correlation > 0
     own = float(model_error) ** 2 + (0.0 if fades else noise.white**2)
-    return ReadingErrors(
+    alone = ReadingErrors(
         own=jnp.asarray(np.full((len(frames), len(staying)), own)),
         fading=jnp.asarray(noise.white**2 if fades else 0.0, float),
         kept=jnp.asarray(noise.correlation ** np.diff(frames, prepend=frames[0])),
         staying=jnp.asarray(staying),
     )
+    frame, lasting = common_deviations(run, noise)
+    if frame == 0:
+        return alone
+    return in_common(alone, jnp.asarray(run.recording.valid[frames], float), frame, lasting)
 
 
 def pinned(run: Run) -> Float[np.ndarray, " samples"]:
@@ -137,7 +153,7 @@ def make_case(
 
 def in_kelvin(case: Case) -> Case:
     """The case with errors of 1 K, each by itself, so that its residual is in kelvin [K]."""
-    plain = jax.tree.map(jnp.zeros_like, case.errors)
+    plain = jax.tree.map(jnp.zeros_like, replace(case.errors, common=None))
     plain = replace(plain, own=jnp.ones_like(case.errors.own))
     shared = jnp.zeros_like(case.shared)
     return replace(case, errors=plain, trust=jnp.ones_like(case.trust), shared=shared)
@@ -157,19 +173,21 @@ def pad_errors(errors: ReadingErrors, frames: int, samples: int) -> ReadingError
         fading=errors.fading,
         kept=jnp.asarray(_pad(errors.kept, frames, 0, edge=False)),
         staying=jnp.asarray(_pad(errors.staying, samples, 0, edge=True)),
+        common=None if errors.common is None else _pad_common(errors.common, frames, samples),
     )
+
+
+def _pad_common(common: CommonErrors, frames: int, samples: int) -> CommonErrors:
+    ways = common.ways
+    for axis, length in enumerate((frames, samples, frames + 1)):
+        ways = _pad(ways, length, axis, edge=False)
+    size = _pad(common.size, frames + 1, 0, edge=False)
+    return CommonErrors(jnp.asarray(ways), jnp.asarray(size), common.variance)
 
 
 def _pad_case(case: Case, steps: int, ends: int, frames: int, samples: int) -> Case:
     """Lengthen a case by steps of no duration and by data of no weight."""
-    end = float(np.asarray(case.grid.start)[-1] + np.asarray(case.grid.size)[-1])
-    start = np.append(np.asarray(case.grid.start), np.full(steps - len(case.grid.start), end))
-    grid = TimeGrid(
-        start=start,
-        size=_pad(case.grid.size, steps, 0, edge=False),
-        frame_step=_pad(case.grid.frame_step, ends, 0, edge=True),
-        frame_time=_pad(case.grid.frame_time, ends, 0, edge=True),
-    )
+    grid = lengthened(case.grid, steps, ends)
     readout = ReadOut(
         _pad(case.readout.nodes, samples, 0, edge=True),
         _pad(case.readout.weights, samples, 0, edge=True),
@@ -190,10 +208,10 @@ def _pad_case(case: Case, steps: int, ends: int, frames: int, samples: int) -> C
 
 
 def group_cases(cases: Sequence[Case]) -> list[list[int]]:
-    """Numbers [1] of the runs that have the same effects, group by group."""
+    """Numbers [1] of the runs that have the same effects and kinds of errors, group by group."""
     groups: dict[str, list[int]] = {}
     for number, case in enumerate(cases):
-        shape = str(jax.tree.structure(case.under)) + str(
+        shape = str(jax.tree.structure((case.under, case.errors))) + str(
             [np.shape(leaf) for leaf in jax.tree.leaves(case.under)]
         )
         groups.setdefault(shape, []).append(number)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import final
 
 import equinox as eqx
@@ -10,25 +11,35 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from thermo.inverse._common_errors import (
+    CommonErrors,
+    common_errors,
+    with_common_errors,
+    without_common_errors,
+)
+
 
 @final
 class ReadingErrors(eqx.Module):
-    """The error of a reading as a sum of three, each of mean zero and independent of the others.
+    """The error of a reading as a sum of these, each of mean zero and independent of the others.
 
     - `own`: variance of what each reading has by itself, (frames, samples) [K2].
     - `fading`: variance of what fades from frame to frame [K2], and `kept`, the share of its value
       that is left since the frame before, (frames,) [1].
     - `staying`: variance of what each sample keeps over all frames, (samples,) [K2].
+    - `common`: what all samples have in common; None where they have nothing.
     """
 
     own: Float[Array, "*runs frames samples"]
     fading: Float[Array, "*runs"]
     kept: Float[Array, "*runs frames"]
     staying: Float[Array, "*runs samples"]
+    common: CommonErrors | None = None
 
     def variance(self) -> Float[Array, "*runs frames samples"]:
         """Of each reading [K2]."""
-        return self.own + self.fading[..., None, None] + self.staying[..., None, :]
+        alone = self.own + self.fading[..., None, None] + self.staying[..., None, :]
+        return alone if self.common is None else alone + self.common.variance[..., None, None]
 
 
 def without(
@@ -79,7 +90,23 @@ def whiten(
     def rule(value: Array, expected: Array, deviation: Array) -> tuple[Array, Array]:
         return value - expected, (value - expected) / deviation
 
-    return _along(errors, used, apart, rule) * used
+    white = _along(errors, used, apart, rule) * used
+    return white if errors.common is None else without_common_errors(errors.common, white)
+
+
+def in_common(
+    errors: ReadingErrors, used: Float[Array, "frames samples"], frame: float, lasting: float
+) -> ReadingErrors:
+    """Errors of samples that have nothing in common, and beside them what they have.
+
+    `frame`: deviation of what all samples of a frame share, each frame by itself [K]; `lasting`: of
+    what all readings share [K].
+    """
+    frames = jnp.arange(len(used))
+    each = frame * (frames[:, None] == frames)[..., None] * used
+    columns = jnp.concatenate([each, lasting * used[None]])
+    white = jax.vmap(lambda column: whiten(errors, used, column))(columns)
+    return replace(errors, common=common_errors(white, frame**2 + lasting**2))
 
 
 def colour(
@@ -95,7 +122,9 @@ def colour(
     def rule(value: Array, expected: Array, deviation: Array) -> tuple[Array, Array]:
         return value * deviation, expected + value * deviation
 
-    return _along(errors, used, white * used, rule)
+    white = white * used
+    alone = white if errors.common is None else with_common_errors(errors.common, white)
+    return _along(errors, used, alone, rule)
 
 
 def _along(

@@ -34,7 +34,7 @@ def run_fits(fit: Fit, runs: tuple[Run, ...], grids: dict[str, TimeGrid]) -> dic
         found = measured[place][:frames, :samples]
         result[run.name] = RunFit(
             rmse=float(np.sqrt(np.nanmean(difference**2))),
-            noise=estimate_noise(run.recording).white,
+            noise=estimate_noise(run.recording).fluctuation(),
             defect=defect[number],
             deviation=1 / float(weight.max()),
             time=np.asarray(grids[run.name].frame_time),

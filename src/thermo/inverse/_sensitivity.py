@@ -15,7 +15,7 @@ from jaxtyping import Array, Float
 from thermo._compiled import make_room
 from thermo.errors import InputError
 from thermo.inverse._body import Meshing
-from thermo.inverse._case import constant_error, in_kelvin
+from thermo.inverse._case import common_deviations, constant_error, in_kelvin
 from thermo.inverse._field_choice import AbstractFieldChoice, Uniform
 from thermo.inverse._first_order import Adam
 from thermo.inverse._objective import (
@@ -43,6 +43,8 @@ class Sensitivity:
     - `noise`: by run, standard deviation of a reading, wider where frames are correlated [K].
     - `accuracy`: tolerance of the solver that the slopes come from, relative [1].
     - `staying`: by run, standard deviation of what is not known of a sample's constant error [K].
+    - `common`: by run, what all samples of a frame have in common, each frame by itself, and what
+      all readings have, standard deviations [K]; runs that have nothing in common may be left out.
     - `values`: of the unknowns, where the slopes were taken, (unknowns,) [SI].
     - `defect`: by run, what cells and steps still make wrong in all readings at once, its size
       known and not its sign, (frames, samples) [K]; empty where that was not measured.
@@ -59,6 +61,7 @@ class Sensitivity:
     defect: dict[str, Float[np.ndarray, "frames samples"]] = field(default_factory=dict)
     scale: dict[str, Float[np.ndarray, "frames samples"]] = field(default_factory=dict)
     scale_deviation: float = 0.0
+    common: dict[str, tuple[float, float]] = field(default_factory=dict)
 
 
 def sensitivity(
@@ -157,7 +160,7 @@ def logarithm_slopes(
 def _by_run(
     objective: Objective, matrix: np.ndarray, task: Task, scales: tuple[str, ...]
 ) -> Sensitivity:
-    slopes, noise, staying = {}, {}, {}
+    slopes, noise, staying, common = {}, {}, {}, {}
     for number, part, weight in run_parts(objective):
         run = task.runs[number]
         here = matrix[part].reshape(*weight.shape, -1)
@@ -165,6 +168,7 @@ def _by_run(
         found = estimate_noise(run.recording)
         noise[run.name] = found.long_run()
         staying[run.name] = float(np.sqrt(np.mean(constant_error(run, found)[1])))
+        common[run.name] = common_deviations(run, found)
     values = {name: one.control_values() for name, one in objective.fields.items()}
     columns = tuple(name for name, each in values.items() for _ in range(each.size))
     return Sensitivity(
@@ -173,6 +177,7 @@ def _by_run(
         noise=noise,
         accuracy=task.stepping.rtol,
         staying=staying,
+        common=common,
         values=(*(float(one) for each in values.values() for one in each), *(1.0 for _ in scales)),
     )
 

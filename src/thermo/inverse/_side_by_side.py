@@ -12,7 +12,15 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from thermo.inverse._conditions import Conditions
-from thermo.physics import ConjugateGradient, Model, ReadOut, TimeGrid, solve_heat
+from thermo.physics import (
+    ConjugateGradient,
+    Model,
+    ReadOut,
+    TimeGrid,
+    lengthened,
+    rounded_up,
+    solve_heat,
+)
 from thermo.physics.integrators import Sdirk2
 
 One = TypeVar("One")
@@ -33,14 +41,19 @@ def solve_each(
 ) -> list[Float[np.ndarray, "frames samples"]]:
     """Temperatures [K] at the samples for each model, in their order; compiled once for all.
 
+    Runs whose numbers of steps are alike share a program too: compiling takes longer than a run.
+
     Arguments:
 
     - `models`: of one mesh, with the same kinds of effects; `under`: where their start is from.
     - `grid`: steps and frames [s]; `readout`: of the samples.
     """
+    frames, steps = len(grid.frame_time), len(grid.start)
+    # Steps of one length have a program of their own, with one matrix, and stay as they are.
+    wide = grid if grid.even else lengthened(grid, rounded_up(steps), rounded_up(frames - 1) + 1)
 
     def solve(model: Model) -> Float[np.ndarray, "frames samples"]:
-        return np.asarray(_solve(model, under, grid, readout))
+        return np.asarray(_solve(model, under, wide, readout))[:frames]
 
     return at_once(solve, models)
 

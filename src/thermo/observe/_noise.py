@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, final
 
 import numpy as np
@@ -14,6 +14,12 @@ from ._recording import Recording
 FLOOR: Final = 3e-5
 """Records are stored in single precision, whose spacing near 300 K this is [K]. It also keeps the
 weights of noise-free data finite."""
+
+LEAST_FRAMES: Final = 8
+"""Quiet frames [1] below which nothing is said of what frames have in common."""
+
+LEAST_SAMPLES: Final = 8
+"""Samples [1] below which nothing is said of it."""
 
 # Two readings that differ by less than this are the same number, stored in two ways [K].
 _SAME: Final = 1e-7
@@ -31,11 +37,13 @@ class Noise:
     - `white`: of one reading around its sample's mean, fluctuating from frame to frame [K].
     - `offset`: of the samples' constant errors around their common mean [K].
     - `correlation`: of one frame's fluctuation with the next frame's (1).
+    - `frame`: of what all samples of a frame have in common, each frame by itself [K].
     """
 
     white: float
     offset: float
     correlation: float = 0.0
+    frame: float = 0.0
 
     def long_run(self) -> float:
         """What the fluctuation weighs in a mean of many frames, white sqrt((1 + r)/(1 - r)) [K]."""
@@ -45,9 +53,13 @@ class Noise:
         """Variance of the fluctuation in a mean of `count` [1] frames, many of them [K2]."""
         return np.minimum(self.long_run() ** 2 / count, self.white**2)
 
+    def fluctuation(self) -> float:
+        """Of a reading around its sample's mean, sqrt(white^2 + frame^2) [K]."""
+        return float(np.hypot(self.white, self.frame))
+
     def total(self) -> float:
-        """Return the standard deviation of one reading, sqrt(white^2 + offset^2) [K]."""
-        return float(np.hypot(self.white, self.offset))
+        """Return the standard deviation of a reading, sqrt(white^2 + frame^2 + offset^2) [K]."""
+        return float(np.hypot(self.fluctuation(), self.offset))
 
 
 def estimate_noise(recording: Recording) -> Noise:
@@ -59,6 +71,10 @@ def estimate_noise(recording: Recording) -> Noise:
     d2 = 2 s^2 (1 - r^2), so r = d2/d1 - 1 and s^2 = d1 / (2 (1 - r)). The offset is the standard
     deviation of the samples' means, less what the fluctuation itself adds to it.
 
+    With eight quiet frames of eight samples or more, `frame` is what frames' means fluctuate by
+    beyond what the samples' own fluctuation makes of them, by four standard errors at least; what
+    the samples do is then that about their frame's mean. It is zero otherwise.
+
     Without quiet frames the fluctuation comes from second differences of the record, through
     their median absolute value, so that a switching lamp does not count. It is then taken as
     uncorrelated, and the offset as 0, since neither can be told from the object's own warming.
@@ -68,11 +84,11 @@ def estimate_noise(recording: Recording) -> Noise:
     """
     quiet = recording.quiet
     if quiet is not None and recording.knows_quiet():
-        white, offset, correlation = _from_quiet(quiet)
+        found = _from_quiet(quiet)
     else:
-        white, offset, correlation = _from_record(recording), 0.0, 0.0
+        found = Noise(_from_record(recording), 0.0)
     floor = max(rounding(recording) / math.sqrt(12.0), FLOOR)
-    return Noise(white=max(white, floor), offset=offset, correlation=correlation)
+    return replace(found, white=max(found.white, floor))
 
 
 def variance_error(recording: Recording) -> float:
@@ -92,21 +108,58 @@ def variance_error(recording: Recording) -> float:
     return math.sqrt(3.0 / count * (1 + kept**2) / (1 - kept**2)) / (1 - kept)
 
 
-def _from_quiet(quiet: Float[np.ndarray, "quiet samples"]) -> tuple[float, float, float]:
-    one, two = _mean_square(quiet[1:] - quiet[:-1]), _mean_square(quiet[2:] - quiet[:-2])
-    # Frames that repeat each other would give r = 1 and no finite variance.
-    correlation = float(np.clip(two / one - 1.0, 0.0, 0.95)) if one > 0 else 0.0
-    variance = one / (2.0 * (1.0 - correlation))
+def _from_quiet(quiet: Float[np.ndarray, "quiet samples"]) -> Noise:
+    alone = _fluctuation(quiet)
+    frame = _frame_error(quiet, alone)
+    if frame > 0:
+        alone = replace(_fluctuation(without_common(quiet)), frame=frame)
     known = ~np.isnan(quiet)
     count = known.sum(axis=0)
     seen = count > 0
     if seen.sum() < 2:
-        return float(np.sqrt(variance)), 0.0, correlation
+        return alone
     mean = np.where(known, quiet, 0.0).sum(axis=0)[seen] / count[seen]
-    alone = Noise(white=float(np.sqrt(variance)), offset=0.0, correlation=correlation)
     own = float(np.mean(alone.mean_variance(count[seen])))
     offset = float(np.sqrt(max(float(np.var(mean, ddof=1)) - own, 0.0)))
-    return float(np.sqrt(variance)), offset, correlation
+    return replace(alone, offset=offset)
+
+
+def _fluctuation(quiet: Float[np.ndarray, "quiet samples"]) -> Noise:
+    one, two = _mean_square(quiet[1:] - quiet[:-1]), _mean_square(quiet[2:] - quiet[:-2])
+    # Frames that repeat each other would give r = 1 and no finite variance.
+    correlation = float(np.clip(two / one - 1.0, 0.0, 0.95)) if one > 0 else 0.0
+    return Noise(float(np.sqrt(one / (2.0 * (1.0 - correlation)))), 0.0, correlation)
+
+
+def without_common(quiet: Float[np.ndarray, "quiet samples"]) -> Float[np.ndarray, "quiet samples"]:
+    """Readings [K] less what all samples of their frame have in common.
+
+    What is left of independent ones is less by the share that each has in the mean, and is made up
+    for; NaN where a frame has one reading.
+    """
+    centred = quiet - np.nanmean(quiet, axis=0)
+    count = np.isfinite(centred).sum(1, keepdims=True)
+    common = np.nanmean(centred, axis=1, keepdims=True)
+    return np.where(count > 1, centred - common, np.nan) * np.sqrt(count / np.maximum(count - 1, 1))
+
+
+def _frame_error(quiet: Float[np.ndarray, "quiet samples"], alone: Noise) -> float:
+    """Deviation of the frames' common error [K], where it is more than chance makes of none.
+
+    `alone`: the fluctuation as it is where frames have nothing in common.
+    """
+    quiet = quiet[np.isfinite(quiet).any(1)][:, np.isfinite(quiet).any(0)]
+    frames, samples = quiet.shape
+    if frames < LEAST_FRAMES or samples < LEAST_SAMPLES:
+        return 0.0
+    common = np.nanmean(quiet - np.nanmean(quiet, axis=0), axis=1)
+    variance = float(np.mean(np.diff(common) ** 2)) / 2
+    # Of samples that have nothing in common; what they have adds to theirs as to the mean's.
+    own = (alone.white**2 * (1 - alone.correlation) - variance) / max(samples - 1, 1)
+    # Mean squares of n differences scatter by about sqrt(3 / n) of themselves; four times that.
+    if variance < own * (1 + 4 * np.sqrt(3 / (frames - 1))):
+        return 0.0
+    return float(np.sqrt(variance - own))
 
 
 def _from_record(recording: Recording) -> float:

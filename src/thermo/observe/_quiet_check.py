@@ -8,14 +8,8 @@ from typing import Final, final
 import numpy as np
 from jaxtyping import Float
 
-from ._noise import Noise
+from ._noise import LEAST_FRAMES, LEAST_SAMPLES, Noise, without_common
 from ._recording import Recording
-
-LEAST_FRAMES: Final = 8
-"""Quiet frames [1] below which nothing is said."""
-
-LEAST_SAMPLES: Final = 8
-"""Samples [1] below which nothing is said."""
 
 _FAR: Final = 5.0
 
@@ -28,7 +22,7 @@ class QuietCheck:
     - `z`: by how many standard errors the mean square difference over three frames is not that of
       a first-order autoregressive fluctuation, which those over one and two frames foretell [1].
     - `frame_offset`: standard deviation of what all samples of a frame have in common [K], zero
-      where none shows.
+      where none shows; fits allow for it.
     - `far`: share of readings further than five standard deviations from their sample's mean [1].
     """
 
@@ -45,7 +39,7 @@ class QuietCheck:
             )
         if self.frame_offset > 0:
             found.append(
-                f"Whole frames are off by {self.frame_offset:.2g} K, which fits do not allow for."
+                f"Whole frames are off by {self.frame_offset:.2g} K, which fits allow for."
             )
         if self.far > 1e-3:
             found.append(
@@ -69,17 +63,19 @@ def check_quiet(recording: Recording, noise: Noise) -> QuietCheck | None:
     quiet = quiet[np.isfinite(quiet).any(1)][:, np.isfinite(quiet).any(0)]
     if len(quiet) < LEAST_FRAMES or quiet.shape[1] < LEAST_SAMPLES:
         return None
-    sums = np.stack([squares(quiet, lag) for lag in (1, 2, 3)])
+    # Samples of frames that are off as a whole are not independent.
+    alone = without_common(quiet) if noise.frame > 0 else quiet
+    sums = np.stack([squares(alone, lag) for lag in (1, 2, 3)])
     whole = sums.sum(-1)
     if np.any(whole[:, 1] == 0) or whole[0, 0] == 0:
         return None
     apart, error = first_order_misfit(whole), jackknife(sums)
-    centred = quiet - np.nanmean(quiet, axis=0)
+    centred = alone - np.nanmean(alone, axis=0)
     known = np.isfinite(centred)
     far = np.abs(centred[known]) > _FAR * noise.white
     return QuietCheck(
         z=apart / error if error > 0 else 0.0,
-        frame_offset=_frame_offset(centred, noise),
+        frame_offset=noise.frame,
         far=float(np.mean(far)),
     )
 
@@ -111,16 +107,3 @@ def first_order_misfit(sums: Float[np.ndarray, "3 2"]) -> float:
     one, two, three = sums[:, 0] / sums[:, 1]
     r = two / one - 1
     return float(three / one - (1 + r + r**2))
-
-
-def _frame_offset(centred: Float[np.ndarray, "quiet samples"], noise: Noise) -> float:
-    """Deviation of the frames' common error [K], where it is more than chance makes of none."""
-    frames, samples = centred.shape
-    common = np.nanmean(centred, axis=1)
-    change = np.diff(common)
-    variance = float(np.mean(change**2)) / 2
-    own = noise.white**2 * (1 - noise.correlation) / samples
-    # Mean squares of n differences scatter by about sqrt(3 / n) of themselves; four times that.
-    if variance < own * (1 + 4 * np.sqrt(3 / (frames - 1))):
-        return 0.0
-    return float(np.sqrt(variance - own))

@@ -10,8 +10,8 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial import KDTree
 
-from ._noise import FLOOR, Noise, rounding
-from ._quiet_check import LEAST_FRAMES, LEAST_SAMPLES, first_order_misfit, jackknife, squares
+from ._noise import FLOOR, LEAST_FRAMES, LEAST_SAMPLES, Noise, rounding
+from ._quiet_check import first_order_misfit, jackknife, squares
 from ._recording import Recording
 
 _FAR: Final = 5.0

@@ -10,7 +10,14 @@ from thermo.physics._model import Model
 from thermo.physics._readout import ReadOut, every_node
 from thermo.physics._simulate import Solution, solve_heat
 from thermo.physics._step_matrix import StepMatrix
-from thermo.physics._time_grid import TimeGrid, every_step, plan_steps, uniform_steps
+from thermo.physics._time_grid import (
+    TimeGrid,
+    every_step,
+    lengthened,
+    plan_steps,
+    rounded_up,
+    uniform_steps,
+)
 from thermo.physics._volume_rule import VolumeRule, volume_rule
 
 __all__ = [
@@ -32,8 +39,10 @@ __all__ = [
     "discretise",
     "every_node",
     "every_step",
+    "lengthened",
     "heat_rate",
     "plan_steps",
+    "rounded_up",
     "solve_heat",
     "step_matrix",
     "stored_heat",

@@ -79,6 +79,29 @@ def every_step(grid: TimeGrid) -> TimeGrid:
     return TimeGrid(grid.start, grid.size, np.arange(len(edges), dtype=np.int32), edges, grid.even)
 
 
+def lengthened(grid: TimeGrid, steps: int, frames: int) -> TimeGrid:
+    """The same steps, then some of no duration up to so many `steps` [1], which change nothing.
+
+    The last frame [s] is repeated up to so many `frames` [1]. Grids of one length share a compiled
+    program, and can be stacked.
+    """
+    more = steps - len(grid.start)
+    again = frames - len(grid.frame_time)
+    end = float(np.asarray(grid.start)[-1] + np.asarray(grid.size)[-1])
+    return TimeGrid(
+        start=np.append(np.asarray(grid.start), np.full(more, end)),
+        size=np.append(np.asarray(grid.size), np.zeros(more)),
+        frame_step=np.pad(np.asarray(grid.frame_step), (0, again), mode="edge"),
+        frame_time=np.pad(np.asarray(grid.frame_time), (0, again), mode="edge"),
+    )
+
+
+def rounded_up(count: int) -> int:
+    """The least number [1] not below `count` of a few in each octave, a quarter more at most."""
+    coarse = 2 ** max(count.bit_length() - 3, 0)
+    return -(-count // coarse) * coarse
+
+
 def _inside(switches: Sequence[float], frames: Float[np.ndarray, " frames"]) -> np.ndarray:
     return np.array([t for t in switches if 0 < t < frames[-1]], float)
 

@@ -210,12 +210,12 @@ _NEXT = (
 
 
 def _noise(record: Record) -> str:
-    header = ["run", "white [K]", "left in next frame", "offsets [K]", "unknown of these [K]",
-              "from", "tested"]  # fmt: skip
+    header = ["run", "white [K]", "left in next frame", "whole frames [K]", "offsets [K]",
+              "unknown of these [K]", "from", "tested"]  # fmt: skip
     rows = [
         [
             name,
-            *(f"{item[key]:.2g}" for key in ("white", "correlation", "offset", "staying")),
+            *(f"{item[key]:.2g}" for key in ("white", "correlation", "frame", "offset", "staying")),
             item["source"],
             (item["check"] or item.get("residual") or {"words": "not tested"})["words"],
         ]
