@@ -8,6 +8,7 @@ from typing import Final, final
 
 import numpy as np
 from jaxtyping import Float, Int
+from scipy.stats import chi2
 
 from ._recording import Recording
 
@@ -20,6 +21,9 @@ LEAST_FRAMES: Final = 8
 
 LEAST_SAMPLES: Final = 8
 """Samples [1] below which nothing is said of it."""
+
+_CHANCE: Final = 1e-4
+"""Share of recordings without a common error in which one is seen [1]."""
 
 # Two readings that differ by less than this are the same number, stored in two ways [K].
 _SAME: Final = 1e-7
@@ -72,8 +76,8 @@ def estimate_noise(recording: Recording) -> Noise:
     deviation of the samples' means, less what the fluctuation itself adds to it.
 
     With eight quiet frames of eight samples or more, `frame` is what frames' means fluctuate by
-    beyond what the samples' own fluctuation makes of them, by four standard errors at least; what
-    the samples do is then that about their frame's mean. It is zero otherwise.
+    beyond what the samples' own fluctuation makes of them in all but one recording of ten thousand;
+    what the samples do is then that about their frame's mean. It is zero otherwise.
 
     Without quiet frames the fluctuation comes from second differences of the record, through
     their median absolute value, so that a switching lamp does not count. It is then taken as
@@ -156,8 +160,9 @@ def _frame_error(quiet: Float[np.ndarray, "quiet samples"], alone: Noise) -> flo
     variance = float(np.mean(np.diff(common) ** 2)) / 2
     # Of samples that have nothing in common; what they have adds to theirs as to the mean's.
     own = (alone.white**2 * (1 - alone.correlation) - variance) / max(samples - 1, 1)
-    # Mean squares of n differences scatter by about sqrt(3 / n) of themselves; four times that.
-    if variance < own * (1 + 4 * np.sqrt(3 / (frames - 1))):
+    # Mean squares of n differences scatter as those of 2 n / 3 independent values do.
+    degrees = 2 * (frames - 1) / 3
+    if variance < own * chi2.isf(_CHANCE, degrees) / degrees:
         return 0.0
     return float(np.sqrt(variance - own))
 
