@@ -1,11 +1,12 @@
 """Recovery of conductivities that truly vary, beside that with a fixed smoothness.
 
     python benchmarks/spatial/scenes.py FOLDER
-    python benchmarks/spatial/study.py FOLDER [--table FILE] [--figures DIR]
+    python benchmarks/spatial/study.py FOLDER [--table FILE] [--figures DIR] [--only 0.3]
 
 Fits the plate and the rod with the default settings and with the smoothness held at 0.3, predicts
 the held-out lamp, and compares with the truth on the faces of the fit's mesh. `uniform` is the
-error of the best single value.
+error of the best single value. `--only` makes the rows of one smoothness anew and keeps the others
+that the table holds.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from thermo.mesh import face_areas, face_centres
 from thermo.report import figure_field
 
 LAWS = {"plate": smooth, "rod": patchy}
+PRIORS = {"chosen": Prior(), "0.3": Prior(step=0.3)}
 HEADER = ("object", "smoothness", "error", "uniform", "width", "correlation", "step",
           "held_out_rmse_K", "median_rmse_K", "worst_fit_rmse_K", "seconds")  # fmt: skip
 
@@ -60,14 +62,18 @@ def main() -> None:
     parser.add_argument("folder", type=Path, help="what scenes.py wrote")
     parser.add_argument("--table", type=Path, help="CSV file for the results")
     parser.add_argument("--figures", type=Path, help="folder for maps of field and error")
+    parser.add_argument("--only", choices=PRIORS, help="make only these rows anew")
     given = parser.parse_args()
-    rows = []
+    rows = {}
+    if given.only and given.table and given.table.exists():
+        with given.table.open(newline="") as stream:
+            rows = {(one["object"], one["smoothness"]): one for one in csv.DictReader(stream)}
     for name, law in LAWS.items():
         folder = given.folder / name
-        for label, prior in (("chosen", Prior()), ("0.3", Prior(step=0.3))):
-            estimate = thermo.invert(folder, prior=prior)
-            rows.append(row(name, label, folder, estimate))
-            print(rows[-1], flush=True)
+        for label in [given.only] if given.only else PRIORS:
+            estimate = thermo.invert(folder, prior=PRIORS[label])
+            rows[name, label] = row(name, label, folder, estimate)
+            print(rows[name, label], flush=True)
             if given.figures and label == "chosen":
                 mesh, faces = estimate.mesh, estimate.fields["conductivity"].faces
                 truth = law(face_centres(mesh).T)
@@ -83,7 +89,7 @@ def main() -> None:
             writer.writeheader()
             writer.writerows(
                 {k: f"{v:.4g}" if isinstance(v, float) else v for k, v in one.items()}
-                for one in rows
+                for one in rows.values()
             )
 
 

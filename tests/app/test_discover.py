@@ -83,7 +83,7 @@ def test_what_is_finished_stays_after_a_stop_and_goes_once_the_verdict_is_left(
 
     monkeypatch.setattr(_discover.discovery, "discover", search)
     outcome = command("discover", f"data={block}", f"out={out}")
-    assert outcome.code == 130 and "the same command goes on from there" in outcome.err
+    assert outcome.code == 130 and "the same command goes on from what" in outcome.err
     assert [one.name for one in out.iterdir()] == ["progress"] and asked == [out / "progress"]
     outcome = command("discover", f"data={block}", f"out={out}")
     assert outcome.code == 0 and f"going on from {out / 'progress'}" in outcome.err

@@ -153,7 +153,7 @@ def _run(verb: str, configuration: DictConfig) -> None:
         print(f"thermo {verb}: {_refusal(verb, fault)}", file=sys.stderr)
         sys.exit(2)
     except KeyboardInterrupt:
-        after = "goes on from there" if verb in RESUMED else "begins anew"
+        after = "goes on from what was saved" if verb in RESUMED else "begins anew"
         print(f"thermo {verb}: stopped; the same command {after}", file=sys.stderr)
         sys.exit(130)
 

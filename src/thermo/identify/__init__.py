@@ -11,6 +11,7 @@ from thermo.identify._next_run import NextRun, next_runs
 from thermo.identify._path import LEVEL, Model
 from thermo.identify._profile import Profile, profile
 from thermo.identify._region_mean import SURFACE, RegionMean, region_mean, region_profile
+from thermo.identify._samples import Samples, samples
 from thermo.identify._shift import Shift, shifts, unknowns_of
 from thermo.identify._spectrum import Spectrum, spectrum
 from thermo.identify._variance_split import VarianceSplit, split_variance
@@ -28,6 +29,7 @@ __all__ = [
     "NextRun",
     "Profile",
     "RegionMean",
+    "Samples",
     "Shift",
     "Spectrum",
     "VarianceSplit",
@@ -43,6 +45,7 @@ __all__ = [
     "profile",
     "region_mean",
     "region_profile",
+    "samples",
     "shifts",
     "spectrum",
     "split_variance",
