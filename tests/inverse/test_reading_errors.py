@@ -112,8 +112,15 @@ def test_a_tangent_is_whitened_as_a_difference_is() -> None:
     )  # fmt: skip
     used = jnp.ones((FRAMES, SAMPLES))
     first, way = jnp.asarray(random.standard_normal((2, FRAMES, SAMPLES)))
-    _, tangent = jax.jvp(lambda apart: whiten(errors, used, apart), (first,), (way,))
-    np.testing.assert_allclose(tangent, whiten(errors, used, way), rtol=1e-12)
+    for one in (errors, in_common(errors, used, 0.4, 0.2)):
+
+        def white(apart: jax.Array, one: ReadingErrors = one) -> jax.Array:
+            return whiten(one, used, apart)
+
+        _, tangent = jax.jvp(white, (first,), (way,))
+        np.testing.assert_allclose(tangent, white(way), rtol=1e-10, atol=1e-12)
+        _, pull = jax.vjp(white, first)
+        assert jnp.vdot(pull(first)[0], way) == pytest.approx(float(jnp.vdot(first, tangent)))
     assert errors.variance().shape == (FRAMES, SAMPLES)
     np.testing.assert_allclose(errors.variance(), 1.0)
 

@@ -173,16 +173,15 @@ def pad_errors(errors: ReadingErrors, frames: int, samples: int) -> ReadingError
         fading=errors.fading,
         kept=jnp.asarray(_pad(errors.kept, frames, 0, edge=False)),
         staying=jnp.asarray(_pad(errors.staying, samples, 0, edge=True)),
-        common=None if errors.common is None else _pad_common(errors.common, frames, samples),
+        common=None if errors.common is None else _pad_common(errors.common, frames),
     )
 
 
-def _pad_common(common: CommonErrors, frames: int, samples: int) -> CommonErrors:
-    ways = common.ways
-    for axis, length in enumerate((frames, samples, frames + 1)):
-        ways = _pad(ways, length, axis, edge=False)
-    size = _pad(common.size, frames + 1, 0, edge=False)
-    return CommonErrors(jnp.asarray(ways), jnp.asarray(size), common.variance)
+def _pad_common(common: CommonErrors, frames: int) -> CommonErrors:
+    ways = frames + 1
+    turn = _pad(_pad(common.turn, ways, 0, edge=False), ways, 1, edge=False)
+    size = _pad(common.size, ways, 0, edge=False)
+    return replace(common, turn=jnp.asarray(turn), size=jnp.asarray(size))
 
 
 def _pad_case(case: Case, steps: int, ends: int, frames: int, samples: int) -> Case:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import final
 
 import equinox as eqx
@@ -39,7 +40,7 @@ class ReadingErrors(eqx.Module):
     def variance(self) -> Float[Array, "*runs frames samples"]:
         """Of each reading [K2]."""
         alone = self.own + self.fading[..., None, None] + self.staying[..., None, :]
-        return alone if self.common is None else alone + self.common.variance[..., None, None]
+        return alone if self.common is None else alone + self.common.variance()[..., None, None]
 
 
 def without(
@@ -86,12 +87,23 @@ def whiten(
 
     Source: Durbin and Koopman, Time Series Analysis by State Space Methods (2012), section 4.3.
     """
+    white = _whiten_alone(errors, used, apart)
+    if errors.common is None:
+        return white
+    return without_common_errors(errors.common, used, partial(_whiten_alone, errors, used), white)
+
+
+def _whiten_alone(
+    errors: ReadingErrors,
+    used: Float[Array, "frames samples"],
+    apart: Float[Array, "frames samples"],
+) -> Float[Array, "frames samples"]:
+    """The same by what samples do not have in common."""
 
     def rule(value: Array, expected: Array, deviation: Array) -> tuple[Array, Array]:
         return value - expected, (value - expected) / deviation
 
-    white = _along(errors, used, apart, rule) * used
-    return white if errors.common is None else without_common_errors(errors.common, white)
+    return _along(errors, used, apart, rule) * used
 
 
 def in_common(
@@ -102,11 +114,8 @@ def in_common(
     `frame`: deviation of what all samples of a frame share, each frame by itself [K]; `lasting`: of
     what all readings share [K].
     """
-    frames = jnp.arange(len(used))
-    each = frame * (frames[:, None] == frames)[..., None] * used
-    columns = jnp.concatenate([each, lasting * used[None]])
-    white = jax.vmap(lambda column: whiten(errors, used, column))(columns)
-    return replace(errors, common=common_errors(white, frame**2 + lasting**2))
+    alone = partial(_whiten_alone, errors, used)
+    return replace(errors, common=common_errors(lasting, frame, used, alone))
 
 
 def colour(
@@ -123,8 +132,10 @@ def colour(
         return value * deviation, expected + value * deviation
 
     white = white * used
-    alone = white if errors.common is None else with_common_errors(errors.common, white)
-    return _along(errors, used, alone, rule)
+    if errors.common is not None:
+        alone = partial(_whiten_alone, errors, used)
+        white = with_common_errors(errors.common, used, alone, white)
+    return _along(errors, used, white, rule)
 
 
 def _along(
