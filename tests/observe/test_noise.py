@@ -130,3 +130,13 @@ def test_how_far_the_variance_may_be_off_is_how_far_it_scatters(
     variances = np.array([estimate_noise(one).white ** 2 for one in drawn])
     told = variance_error(drawn[0])
     assert told == pytest.approx(np.std(variances) / np.mean(variances), rel=0.35)
+
+
+def test_common_errors_are_told_where_readings_are_missing() -> None:
+    record = noisy(0.05, 0.03, 0.0, frames=3)
+    assert record.quiet is not None
+    quiet = record.quiet + 0.04 * np.random.default_rng(7).standard_normal((25, 1))
+    quiet[:, 4], quiet[6], quiet[9, 1:], quiet[::3, ::2] = np.nan, np.nan, np.nan, np.nan
+    found = estimate_noise(Recording(record.points, record.time, record.temperature, quiet=quiet))
+    assert found.frame == pytest.approx(0.04, rel=0.5)
+    assert found.white == pytest.approx(0.05, rel=0.05)

@@ -141,10 +141,18 @@ def without_common(quiet: Float[np.ndarray, "quiet samples"]) -> Float[np.ndarra
     What is left of independent ones is less by the share that each has in the mean, and is made up
     for; NaN where a frame has one reading.
     """
-    centred = quiet - np.nanmean(quiet, axis=0)
+    centred = quiet - _mean(quiet, 0)
     count = np.isfinite(centred).sum(1, keepdims=True)
-    common = np.nanmean(centred, axis=1, keepdims=True)
-    return np.where(count > 1, centred - common, np.nan) * np.sqrt(count / np.maximum(count - 1, 1))
+    # A reading by itself is its frame's mean: nothing is left of it to tell.
+    alone = np.where(count > 1, centred - _mean(centred, 1), np.nan)
+    return alone * np.sqrt(count / np.maximum(count - 1, 1))
+
+
+def _mean(values: Float[np.ndarray, "quiet samples"], axis: int) -> np.ndarray:
+    """Means of what is known; 0 where nothing is."""
+    known = np.isfinite(values)
+    total = np.where(known, values, 0.0).sum(axis, keepdims=True)
+    return total / np.maximum(known.sum(axis, keepdims=True), 1)
 
 
 def _frame_error(quiet: Float[np.ndarray, "quiet samples"], alone: Noise) -> float:
@@ -156,7 +164,7 @@ def _frame_error(quiet: Float[np.ndarray, "quiet samples"], alone: Noise) -> flo
     frames, samples = quiet.shape
     if frames < LEAST_FRAMES or samples < LEAST_SAMPLES:
         return 0.0
-    common = np.nanmean(quiet - np.nanmean(quiet, axis=0), axis=1)
+    common = _mean(quiet - _mean(quiet, 0), 1)[:, 0]
     variance = float(np.mean(np.diff(common) ** 2)) / 2
     # Of samples that have nothing in common; what they have adds to theirs as to the mean's.
     own = (alone.white**2 * (1 - alone.correlation) - variance) / max(samples - 1, 1)
