@@ -1,12 +1,10 @@
-"""Recovery of conductivities that truly vary, beside that with a fixed smoothness.
+"""Recovery of conductivities that truly vary.
 
     python benchmarks/spatial/scenes.py FOLDER
-    python benchmarks/spatial/study.py FOLDER [--table FILE] [--figures DIR] [--only 0.3]
+    python benchmarks/spatial/study.py FOLDER [--table FILE] [--figures DIR]
 
-Fits the plate and the rod with the default settings and with the smoothness held at 0.3, predicts
-the held-out lamp, and compares with the truth on the faces of the fit's mesh. `uniform` is the
-error of the best single value. `--only` makes the rows of one smoothness anew and keeps the others
-that the table holds.
+Fits the plate and the rod with the default settings, predicts the held-out lamp, and compares with
+the truth on the faces of the fit's mesh. `uniform` is the error of the best single value.
 """
 
 from __future__ import annotations
@@ -19,13 +17,12 @@ import numpy as np
 from scenes import patchy, smooth
 
 import thermo
-from thermo.inverse import Estimate, Prior, field_scores
+from thermo.inverse import Estimate, field_scores
 from thermo.mesh import face_areas, face_centres
 from thermo.report import figure_field
 
 LAWS = {"plate": smooth, "rod": patchy}
-PRIORS = {"chosen": Prior(), "0.3": Prior(step=0.3)}
-HEADER = ("object", "smoothness", "error", "uniform", "width", "correlation", "step",
+HEADER = ("object", "error", "uniform", "width", "correlation", "step",
           "held_out_rmse_K", "median_rmse_K", "worst_fit_rmse_K", "seconds")  # fmt: skip
 
 
@@ -35,7 +32,7 @@ def best_single(truth: np.ndarray, areas: np.ndarray) -> float:
     return min(float(np.average(np.abs(value / truth - 1), weights=areas)) for value in tried)
 
 
-def row(name: str, label: str, folder: Path, estimate: Estimate) -> dict:
+def row(name: str, folder: Path, estimate: Estimate) -> dict:
     """A line of the table."""
     field, mesh = estimate.fields["conductivity"], estimate.mesh
     truth, areas = LAWS[name](face_centres(mesh).T), face_areas(mesh)
@@ -43,7 +40,6 @@ def row(name: str, label: str, folder: Path, estimate: Estimate) -> dict:
     (made,) = thermo.predict(folder, estimate).values()
     return {
         "object": name,
-        "smoothness": label,
         "error": scores.error,
         "uniform": best_single(truth, areas),
         "width": scores.width,
@@ -62,34 +58,29 @@ def main() -> None:
     parser.add_argument("folder", type=Path, help="what scenes.py wrote")
     parser.add_argument("--table", type=Path, help="CSV file for the results")
     parser.add_argument("--figures", type=Path, help="folder for maps of field and error")
-    parser.add_argument("--only", choices=PRIORS, help="make only these rows anew")
     given = parser.parse_args()
-    rows = {}
-    if given.only and given.table and given.table.exists():
-        with given.table.open(newline="") as stream:
-            rows = {(one["object"], one["smoothness"]): one for one in csv.DictReader(stream)}
+    rows = []
     for name, law in LAWS.items():
         folder = given.folder / name
-        for label in [given.only] if given.only else PRIORS:
-            estimate = thermo.invert(folder, prior=PRIORS[label])
-            rows[name, label] = row(name, label, folder, estimate)
-            print(rows[name, label], flush=True)
-            if given.figures and label == "chosen":
-                mesh, faces = estimate.mesh, estimate.fields["conductivity"].faces
-                truth = law(face_centres(mesh).T)
-                for what, values, unit in (
-                    ("recovered", faces, "conductivity [W/m/K]"),
-                    ("error", np.abs(faces / truth - 1), "|recovered / true - 1|"),
-                ):
-                    path = given.figures / f"{name}_{what}.png"
-                    figure_field(path, mesh.nodes, mesh.faces, values, what.capitalize(), unit)
+        estimate = thermo.invert(folder)
+        rows.append(row(name, folder, estimate))
+        print(rows[-1], flush=True)
+        if given.figures:
+            mesh, faces = estimate.mesh, estimate.fields["conductivity"].faces
+            truth = law(face_centres(mesh).T)
+            for what, values, unit in (
+                ("recovered", faces, "conductivity [W/m/K]"),
+                ("error", np.abs(faces / truth - 1), "|recovered / true - 1|"),
+            ):
+                path = given.figures / f"{name}_{what}.png"
+                figure_field(path, mesh.nodes, mesh.faces, values, what.capitalize(), unit)
     if given.table:
         with given.table.open("w", newline="") as stream:
             writer = csv.DictWriter(stream, HEADER)
             writer.writeheader()
             writer.writerows(
                 {k: f"{v:.4g}" if isinstance(v, float) else v for k, v in one.items()}
-                for one in rows.values()
+                for one in rows
             )
 
 
