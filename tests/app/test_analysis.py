@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from thermo.app._analysis import allowing, learnt
+from thermo.app._analysis import allowing, learnt, whole_frames
 from thermo.inverse import DEFECT_LEFT, Sensitivity
 from thermo.observe import Noise, ResidualNoise
 
@@ -32,3 +34,10 @@ def test_what_a_residual_shows_makes_noise_wider_and_nothing_stated_narrower() -
     assert made.staying == {"a": 0.3, "b": 0.0}
     more = learnt(at, {"b": ResidualNoise(noise, 0.0, 0.0, 1e-3)})
     assert more.staying == {"a": 0.3, "b": 0.2}
+
+
+def test_whole_frames_that_are_off_together_are_told_of() -> None:
+    at = Sensitivity(("conductivity",), {"a": np.ones((5, 3, 1))}, {"a": 0.05}, values=(1.0,))
+    assert whole_frames(at) == []
+    (said,) = whole_frames(replace(at, common={"a": (0.034, 0.01), "b": (0.0, 0.0)}))
+    assert said.startswith("Whole frames are off together, by 0.034 K in a; ")

@@ -76,7 +76,20 @@ def test_what_cannot_be_drawn_is_refused(monkeypatch: pytest.MonkeyPatch) -> Non
         samples(model, np.zeros(3), bounds=WIDE, count=5)
     with pytest.raises(InputError, match="bounds on both sides"):
         samples(model, np.zeros(3), bounds=np.tile([-np.inf, 1.0], (3, 1)))
+    with pytest.raises(InputError, match="not those of the unknowns"):
+        samples(model, np.zeros(2), bounds=WIDE)
     monkeypatch.setattr(module, "find_spec", lambda name: None)
     with pytest.raises(InputError, match="not here") as caught:
         samples(model, np.zeros(3), bounds=WIDE)
     assert "sampling" in caught.value.remedy
+
+
+def test_bounds_that_leave_no_room_are_told_of() -> None:
+    pytest.importorskip("blackjax")
+
+    def model(at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return np.array([1e8 * (at[0] - 7.0)]), np.array([[1e8]])
+
+    with pytest.raises(InputError, match="no step") as caught:
+        samples(model, np.array([0.5]), bounds=np.array([[0.0, 1.0]]), count=10)
+    assert "lies at 1" in caught.value.limit

@@ -81,6 +81,7 @@ class Analysis:
             *([] if self.fitted is None else self.fitted.unexplained),
             *_doubts(found, more),
             *_from_residuals(more),
+            *whole_frames(at),
             *_moved(moved),
             *_next(chosen),
         ]
@@ -161,6 +162,14 @@ def _from_residuals(more: Refits) -> list[str]:
         f"{one.words()}"
         for name, one in more.noise.items()
     ]
+
+
+def whole_frames(at: inverse.Sensitivity) -> list[str]:
+    """What samples have in common, in words."""
+    found = [f"{size:.2g} K in {run}" for run, (size, _) in at.common.items() if size > 0]
+    if not found:
+        return []
+    return [f"Whole frames are off together, by {', '.join(found)}; the intervals allow for it."]
 
 
 def _moved(found: list[Shift]) -> list[str]:

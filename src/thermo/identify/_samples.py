@@ -50,7 +50,7 @@ def samples(
     model: Model,
     start: Float[np.ndarray, " unknowns"],
     *,
-    bounds: Float[np.ndarray, "unknowns 2"],
+    bounds: Float[np.ndarray, "bounded 2"],
     count: int = 400,
     seed: int = 0,
     on_draw: Callable[[int], object] = lambda _: None,
@@ -70,24 +70,32 @@ def samples(
     - `bounds`: of the unknowns, within which they are alike before the data, (unknowns, 2) [1].
     - `count`: draws [1], with a `seed`; `on_draw`: told how many steps are done.
 
-    Raises `InputError` for fewer than 10 draws, for bounds that are not finite, and where blackjax
-    is not installed (extra `sampling`).
+    Raises `InputError` for fewer than 10 draws, for bounds that are not finite, not those of the
+    unknowns or that leave no room, and where blackjax is not installed (extra `sampling`).
 
     Source: Roberts and Tweedie, Bernoulli 2 (1996) 341; the length of a step, Roberts and
     Rosenthal, J. R. Statist. Soc. B 60 (1998) 255.
     """
-    _refuse(bounds, count)
+    start, bounds = np.asarray(start, float), np.asarray(bounds, float)
+    _refuse(bounds, len(start), count)
     from blackjax.diagnostics import effective_sample_size  # noqa: PLC0415 - an extra
 
-    at = settle(model, np.asarray(start, float), bounds)
+    at = settle(model, start, bounds)
     root = _root(at, bounds)
     drawn, taken, early = [], [], -(-count // 4)
     for state, accepted in _chain(_density(model, at, root, bounds), len(start), seed):
         drawn.append(state)
         taken.append(accepted)
         on_draw(len(drawn))
-        if len(drawn) == early + count:
+        if len(drawn) >= early + count:
             break
+    if not any(taken[early:]):
+        raise InputError(
+            "no step of the draws could be taken", where="bounds", value=bounds.tolist(),
+            limit="bounds that hold more than the optimum, which lies at "
+            + ", ".join(f"{one:.4g}" for one in at.unknowns),
+            remedy="give wider ones; they are of logarithms where `model` is a `LogModel`",
+        )  # fmt: skip
     kept = np.array(drawn[early:])
     effective = np.atleast_1d(np.asarray(effective_sample_size(jnp.asarray(kept)[None])))
     return Samples(
@@ -144,11 +152,16 @@ def _known(value: Array, slope: Array) -> Callable[[Array], Array]:
     return density
 
 
-def _refuse(bounds: Float[np.ndarray, "unknowns 2"], count: int) -> None:
+def _refuse(bounds: np.ndarray, unknowns: int, count: int) -> None:
     if count < 10:
         raise InputError(
             "so few draws say nothing", where="count", value=count, limit="10 or more",
-            remedy="leave it at 400",
+            remedy="400 is the default",
+        )  # fmt: skip
+    if bounds.shape != (unknowns, 2):
+        raise InputError(
+            "bounds are not those of the unknowns", where="bounds", value=f"shape {bounds.shape}",
+            limit=f"({unknowns}, 2), logarithms", remedy="give `LogModel.bounds`",
         )  # fmt: skip
     if not np.all(np.isfinite(bounds)):
         raise InputError(
