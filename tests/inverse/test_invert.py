@@ -226,6 +226,13 @@ def test_an_initial_value_that_makes_no_sense_is_refused(value: float, scene: Sc
     assert caught.value.where == "initial.conductivity"
 
 
+@pytest.mark.parametrize("value", [1e-9, 9000.0])
+def test_a_first_value_beyond_its_bounds_is_refused(value: float, scene: Scene) -> None:
+    with pytest.raises(InputError, match="beyond where it is looked for") as caught:
+        invert(scene, initial={"conductivity": value})
+    assert caught.value.where == "initial.conductivity" and "W/m/K" in caught.value.limit
+
+
 def test_names_are_checked_before_any_work(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     def worked(*_: object) -> None:
         raise AssertionError("work began")

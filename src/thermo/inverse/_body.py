@@ -139,6 +139,17 @@ def check_values(
                 limit="a finite number, 0 or more" if least == 0.0 else "a finite number above 0",
                 remedy="give a rough guess in SI units",
             )
+        bounds = QUANTITIES[name]
+        # A value that a fit left on a bound may lie beyond it by rounding.
+        low, high = bounds.lower * (1 - 1e-9), bounds.upper * (1 + 1e-9)
+        if name in unknown and not low <= value <= high:
+            raise InputError(
+                "a first value lies beyond where it is looked for",
+                where=f"{where}{name}",
+                value=value,
+                limit=f"{bounds.lower:g} to {bounds.upper:g} {bounds.unit}",
+                remedy="give a value between these; is it in SI units?",
+            )
 
 
 def scan_conductivity(scene: Scene, surface: Surface, runs: list[Run], meshing: Meshing) -> float:
