@@ -79,7 +79,7 @@ def test_what_samples_have_in_common_is_whitened_as_the_whole_covariance_asks(
     kind: tuple[ReadingErrors, np.ndarray, int], frame: float, lasting: float
 ) -> None:
     alone, used, seed = kind
-    errors = in_common(alone, jnp.asarray(used), frame, lasting)
+    errors = in_common(alone, jnp.asarray(used), jnp.asarray(frame), jnp.asarray(lasting))
     apart = np.random.default_rng(seed).standard_normal((FRAMES, SAMPLES)) * used
     # Of samples one after the other, each with all its frames.
     whole = block_diag(*(covariance(alone, sample) for sample in range(SAMPLES)))
@@ -112,7 +112,7 @@ def test_a_tangent_is_whitened_as_a_difference_is() -> None:
     )  # fmt: skip
     used = jnp.ones((FRAMES, SAMPLES))
     first, way = jnp.asarray(random.standard_normal((2, FRAMES, SAMPLES)))
-    for one in (errors, in_common(errors, used, 0.4, 0.2)):
+    for one in (errors, in_common(errors, used, jnp.asarray(0.4), jnp.asarray(0.2))):
 
         def white(apart: jax.Array, one: ReadingErrors = one) -> jax.Array:
             return whiten(one, used, apart)

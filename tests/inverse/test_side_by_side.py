@@ -4,12 +4,22 @@ from __future__ import annotations
 
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
+from thermo.inverse import _side_by_side as module
 from thermo.inverse._conditions import conditions, make_model
 from thermo.inverse._properties import Stated, properties
 from thermo.inverse._side_by_side import solve_each
 from thermo.observe import Scene
-from thermo.physics import ConjugateGradient, discretise, every_node, solve_heat, uniform_steps
+from thermo.physics import (
+    ConjugateGradient,
+    ReadOut,
+    discretise,
+    every_node,
+    every_step,
+    solve_heat,
+    uniform_steps,
+)
 from thermo.physics.integrators import Sdirk2
 
 from .objectives import MESH
@@ -39,3 +49,28 @@ def test_each_model_has_its_own_answer_in_its_place(scene: Scene) -> None:
         np.testing.assert_allclose(temperature, alone, rtol=0, atol=1e-3)
     ends = np.array([temperature[-1].mean() for temperature in found])
     assert (np.abs(np.subtract.outer(ends, ends)) + np.eye(len(values)) > 0.01).all()
+
+
+def test_runs_of_alike_numbers_of_steps_share_a_program(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    space, traced = discretise(MESH), []
+
+    def solve(*given: object, **more: object) -> object:
+        traced.append(given)
+        return solve_heat(*given, **more)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(module, "solve_heat", solve)
+    under = conditions(scene.runs["cooling"], space)
+    stated = properties(Stated(1.0, 2e6, 10.0, 0.8), {}, len(MESH.cells), len(MESH.faces))
+    model = make_model(space, stated, under)
+    # So many samples has no other test here, whose program would serve.
+    readout = ReadOut(np.arange(17)[:, None], np.ones((17, 1)))
+    grids = [
+        every_step(uniform_steps(np.array([0.0, 7.3, end]), 1.0, (2.6,))) for end in (20.0, 21.0)
+    ]
+    assert len(grids[0].start) != len(grids[1].start) and not any(grid.even for grid in grids)
+    for grid in grids:
+        (found,) = solve_each([model], under, grid, readout)
+        assert found.shape == (len(grid.frame_time), 17)
+    assert len(traced) == 1

@@ -15,6 +15,7 @@ from jaxtyping import Array, Float
 
 from thermo.errors import InputError
 from thermo.identify._path import Model, Point, settle
+from thermo.inverse import NORMAL
 
 _LENGTH: Final = 1.65
 """Deviation of a proposal in one dimension [1], of a normal distribution's own."""
@@ -102,7 +103,7 @@ def samples(
         at.unknowns + kept @ root.T,
         float(np.mean(taken[early:])),
         np.minimum(effective, count),
-        1.959963984540054 * np.linalg.norm(root, axis=1),
+        NORMAL * np.linalg.norm(root, axis=1),
     )
 
 
@@ -156,7 +157,7 @@ def _refuse(bounds: np.ndarray, unknowns: int, count: int) -> None:
     if count < 10:
         raise InputError(
             "so few draws say nothing", where="count", value=count, limit="10 or more",
-            remedy="400 is the default",
+            remedy="leave it at 400",
         )  # fmt: skip
     if bounds.shape != (unknowns, 2):
         raise InputError(

@@ -98,7 +98,8 @@ def reading_errors(
     frame, lasting = common_deviations(run, noise)
     if frame == 0:
         return alone
-    return in_common(alone, jnp.asarray(run.recording.valid[frames], float), frame, lasting)
+    used = jnp.asarray(run.recording.valid[frames], float)
+    return in_common(alone, used, jnp.asarray(frame, float), jnp.asarray(lasting, float))
 
 
 def pinned(run: Run) -> Float[np.ndarray, " samples"]:

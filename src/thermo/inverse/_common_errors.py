@@ -39,13 +39,14 @@ class CommonErrors(eqx.Module):
 
 
 def common_errors(
-    lasting: float, frame: float, used: Float[Array, "frames samples"], alone: Filter
+    lasting: Float[Array, ""],
+    frame: Float[Array, ""],
+    used: Float[Array, "frames samples"],
+    alone: Filter,
 ) -> CommonErrors:
     """Of standard deviations [K], in readings that are `used` (1, else 0) [1]."""
     count = len(used) + 1
-    plain = CommonErrors(
-        jnp.asarray(lasting, float), jnp.asarray(frame, float), jnp.eye(count), jnp.zeros(count)
-    )
+    plain = CommonErrors(lasting, frame, jnp.eye(count), jnp.zeros(count))
     columns = _columns(plain, used, alone)
     gram = jax.lax.map(lambda way: _across(columns, columns(way)), jnp.eye(count))
     square, turn = jnp.linalg.eigh((gram + gram.T) / 2)

@@ -106,8 +106,12 @@ def _whiten_alone(
     return _along(errors, used, apart, rule) * used
 
 
+@eqx.filter_jit
 def in_common(
-    errors: ReadingErrors, used: Float[Array, "frames samples"], frame: float, lasting: float
+    errors: ReadingErrors,
+    used: Float[Array, "frames samples"],
+    frame: Float[Array, ""],
+    lasting: Float[Array, ""],
 ) -> ReadingErrors:
     """Errors of samples that have nothing in common, and beside them what they have.
 

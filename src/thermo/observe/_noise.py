@@ -76,8 +76,8 @@ def estimate_noise(recording: Recording) -> Noise:
     deviation of the samples' means, less what the fluctuation itself adds to it.
 
     With eight quiet frames of eight samples or more, `frame` is what frames' means fluctuate by
-    beyond what the samples' own fluctuation makes of them in all but one recording of ten thousand;
-    what the samples do is then that about their frame's mean. It is zero otherwise.
+    beyond what the samples' own fluctuation makes of them, in all but a few recordings of ten
+    thousand; what the samples do is then that about their frame's mean. It is zero otherwise.
 
     Without quiet frames the fluctuation comes from second differences of the record, through
     their median absolute value, so that a switching lamp does not count. It is then taken as

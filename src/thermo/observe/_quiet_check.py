@@ -21,13 +21,10 @@ class QuietCheck:
 
     - `z`: by how many standard errors the mean square difference over three frames is not that of
       a first-order autoregressive fluctuation, which those over one and two frames foretell [1].
-    - `frame_offset`: standard deviation of what all samples of a frame have in common [K], zero
-      where none shows; fits allow for it.
     - `far`: share of readings further than five standard deviations from their sample's mean [1].
     """
 
     z: float
-    frame_offset: float
     far: float
 
     def words(self) -> str:
@@ -36,10 +33,6 @@ class QuietCheck:
         if abs(self.z) > 3:
             found.append(
                 f"The fluctuation is not first-order autoregressive ({self.z:.1f} standard errors)."
-            )
-        if self.frame_offset > 0:
-            found.append(
-                f"Whole frames are off by {self.frame_offset:.2g} K, which fits allow for."
             )
         if self.far > 1e-3:
             found.append(
@@ -75,7 +68,6 @@ def check_quiet(recording: Recording, noise: Noise) -> QuietCheck | None:
     far = np.abs(centred[known]) > _FAR * noise.white
     return QuietCheck(
         z=apart / error if error > 0 else 0.0,
-        frame_offset=noise.frame,
         far=float(np.mean(far)),
     )
 
