@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -191,6 +192,24 @@ def test_with_coarse_tangents_a_small_gain_ends_a_fit() -> None:
     assert fit.loss - exact.loss > share * fit.loss > 0.05
 
 
+@pytest.mark.parametrize("share", [1.0, 0.1])
+def test_a_small_gain_ends_no_fit_whose_step_was_short_for_lack_of_trust(share: float) -> None:
+    # Tangents a hundred times too long: what they promise stays large, what a step gains is small.
+    objective, optimiser = replace(steered(100.0), settled=0.0), LevenbergMarquardt()
+    parameters = start(objective)
+    state = optimiser.begin(objective, parameters)
+    trust = jnp.asarray(share * least_squares.FIRST_STEP)
+    state = eqx.tree_at(lambda one: one.search_state.step_size, state, trust)
+    parameters, state, before, _ = optimiser.advance(objective, parameters, state)
+    _, _, after, _ = optimiser.advance(objective, parameters, state)
+    gain = float(before - after)
+    for enough, ended in ((1.5 * gain / share, True), (0.7 * gain / share, False)):
+        asked = replace(objective, gain=enough)
+        _, last, _, (done, fine) = optimiser.advance(asked, parameters, state)
+        assert 0 < gain < last.descent_state.most()
+        assert bool(done) is bool(fine) is ended
+
+
 def test_a_second_fit_of_the_same_shapes_traces_no_step_anew(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -202,9 +221,9 @@ def test_a_second_fit_of_the_same_shapes_traces_no_step_anew(
         return dense(objective, parameters)
 
     monkeypatch.setattr(least_squares, "_dense", counted)
-    # Weights that no other test has, so that none has compiled this program before.
-    first = replace(sharpened(17.0), settled=3.7e-4)
-    other = replace(sharpened(19.0), settled=3.7e-4)
+    # Numbers of runs that no other test has, so that none has compiled this program before.
+    first = replace(sharpened(17.0), sequence=(17,))
+    other = replace(sharpened(19.0), sequence=(17,), settled=3.7e-4)
     optimiser = LevenbergMarquardt(max_steps=20)
     one, two = (minimise([at(problem)], optimiser, key="x") for problem in (first, other))
     assert one.success and two.success and two.loss > one.loss

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import jax
 import numpy as np
 import pytest
 
@@ -23,8 +24,14 @@ from thermo.inverse import (
     TwoMaterials,
     Uniform,
 )
-from thermo.inverse._objective import Objective
-from thermo.inverse._stages import ASKED, data_choose, make_stage, stage_orders
+from thermo.inverse._objective import SETTLED, Objective
+from thermo.inverse._stages import (
+    ASKED,
+    SETTLED_EARLY,
+    data_choose,
+    make_stage,
+    stage_orders,
+)
 from thermo.inverse._task import Ready, Task, prepare
 from thermo.observe import Scene, read_scene
 from thermo.physics.integrators import BackwardEuler
@@ -115,8 +122,13 @@ def test_values_are_corrected_in_the_end_and_go_on_from_where_they_stand(task: T
     alone = replace(task, choice=Uniform(), stages="none")
     first, last = stages(alone, prepare(alone))
     assert not np.any(first.cases[0].defect) and np.any(last.cases[0].defect)
-    # Nothing else changes, so that no program is compiled anew.
-    assert last.fields is first.fields and last.settled == first.settled
+    # It stops later, which is a number: no program is compiled anew.
+    assert first.settled == SETTLED_EARLY and last.settled == SETTLED
+    assert last.fields is first.fields and jax.tree.structure(last) == jax.tree.structure(first)
+    # Where no correction follows, that stage goes to its end.
+    bare = replace(alone, meshing=replace(alone.meshing, corrected=False))
+    (only,) = stages(bare, prepare(bare))
+    assert only.settled == SETTLED
 
 
 def test_a_surface_that_is_not_meshed_so_finely_costs_no_fit(
@@ -130,7 +142,8 @@ def test_a_surface_that_is_not_meshed_so_finely_costs_no_fit(
 
     monkeypatch.setattr("thermo.inverse._defect.mesh_for", refuse)
     first, last = stages(alone, ready)
-    assert last is first
+    assert not np.any(last.cases[0].defect)
+    assert last.fields is first.fields and last.settled == SETTLED
 
 
 def test_without_a_correction_nothing_is_added(task: Task) -> None:

@@ -27,6 +27,7 @@ from thermo.inverse._objective import (
 from thermo.inverse._properties import properties
 from thermo.inverse._reading_errors import whiten
 from thermo.inverse._side_by_side import at_once
+from thermo.inverse._stepping import free_grid
 from thermo.inverse._task import Ready, Task, mesh_for
 from thermo.inverse._transfer import carry_over
 from thermo.mesh import Mesh
@@ -70,10 +71,16 @@ def defects(
     Source: Stetter, Numerische Mathematik 29 (1978) 425, the defect correction; Kaipio and
     Somersalo, J. Comput. Appl. Math. 198 (2007) 493, the mean of the approximation error.
     """
-    there = finer_readings(task, ready, before, start(before), finer)
+    there, here = at_once(
+        lambda read: read(),
+        (
+            lambda: finer_readings(task, ready, before, start(before), finer),
+            lambda: [np.asarray(one) for one in _temperatures(before)],
+        ),
+    )
     return [
         jnp.asarray(np.where(np.isnan(finer), 0.0, finer - mine))
-        for finer, mine in zip(there, _temperatures(before), strict=True)
+        for finer, mine in zip(there, here, strict=True)
     ]
 
 
@@ -90,23 +97,29 @@ def finer_readings(
     Arguments: `parameters`: of its fields [1]; `mesh`: the finer one [m]; `additions` as for
     `forward`.
     """
-    sizes = (len(mesh.cells), len(mesh.faces))
-    values = carry_over(recovered(with_fields(like, parameters)), ready.mesh, mesh)
-    bodies = {"here": properties(ready.stated, values, *sizes)}
+    found = recovered(with_fields(like, parameters))
+    own = {name: (item.cells, item.faces) for name, item in found.items()}
+    near, far = (
+        properties(ready.stated, values, len(body.cells), len(body.faces))
+        for body, values in ((ready.mesh, own), (mesh, carry_over(found, ready.mesh, mesh)))
+    )
     tolerance = SHORTER * task.stepping.tolerance
 
     def read(run: Run) -> Float[np.ndarray, "frames samples"]:
         where = f"{task.scene.folder}: runs.{run.name}.recording"
-        finer = forward(mesh, task.meshing.order, run, bodies, tolerance, where, additions)
+        # Planned where it costs little: how fast a body changes shows on the fit's mesh too.
+        steps = free_grid(ready.mesh, near, run, tolerance=tolerance)
+        order, bodies = task.meshing.order, {"here": far}
+        finer = forward(mesh, order, run, bodies, tolerance, where, additions, steps)
         wanted = np.asarray(ready.grids[run.name].frame_time)
         return finer.temperature[np.searchsorted(finer.time, wanted - 1e-9)]
 
     every = iter(at_once(read, [task.runs[number] for number in like.sequence]))
-    found = [np.full(case.data.shape, np.nan) for case in like.cases]
-    for row in (row for rows in found for row in rows):
+    laid = [np.full(case.data.shape, np.nan) for case in like.cases]
+    for row in (row for rows in laid for row in rows):
         one = next(every)
         row[tuple(slice(length) for length in one.shape)] = one
-    return found
+    return laid
 
 
 @eqx.filter_jit

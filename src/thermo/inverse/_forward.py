@@ -19,7 +19,7 @@ from thermo.inverse._side_by_side import solve_each
 from thermo.inverse._stepping import free_grid
 from thermo.mesh import Mesh
 from thermo.observe import Run, bind
-from thermo.physics import Discretisation, ReadOut, between_steps, discretise
+from thermo.physics import Discretisation, ReadOut, TimeGrid, between_steps, discretise
 
 MOMENTS = 13
 """Frames of a run that are kept for the whole body [1]."""
@@ -93,6 +93,7 @@ def forward(
     tolerance: float,
     where: str,
     additions: tuple[Addition, ...] = (),
+    steps: TimeGrid | None = None,
 ) -> Prediction:
     """Simulate a run with each of `bodies`; the first one's temperatures [K] are kept.
 
@@ -102,13 +103,16 @@ def forward(
     - `bodies`: properties by name, on the linear mesh's cells and faces [SI].
     - `tolerance`: error of a step [K]; `where`: the recording's name in messages.
     - `additions`: effects beside the stated ones.
+    - `steps`: [s], where they were planned elsewhere; by default those of the first body.
 
     Raises `InputError` where samples lie away from the surface.
     """
     space = discretise(of_order(mesh, order))
     readout, _ = bind(run.recording, space.mesh, where=where)
     wide = _with_corners(readout, space, mesh)
-    results = _each(space, mesh, run, bodies, tolerance, wide, additions)
+    if steps is None:
+        steps = free_grid(mesh, next(iter(bodies.values())), run, tolerance=tolerance)
+    results = _each(space, run, bodies, steps, wide, additions)
     recording = run.recording
     measured = np.where(recording.valid, recording.temperature, np.nan)
     samples = len(recording.points)
@@ -139,20 +143,18 @@ def temperatures(
     """
     space = discretise(of_order(mesh, order))
     readout, _ = bind(run.recording, space.mesh, where=where)
-    return _each(space, mesh, run, bodies, tolerance, readout)
+    steps = free_grid(mesh, next(iter(bodies.values())), run, tolerance=tolerance)
+    return _each(space, run, bodies, steps, readout)
 
 
 def _each(
     space: Discretisation,
-    mesh: Mesh,
     run: Run,
     bodies: dict[str, Properties],
-    tolerance: float,
+    grid: TimeGrid,
     readout: ReadOut,
     additions: tuple[Addition, ...] = (),
 ) -> dict[str, Float[np.ndarray, "frames read"]]:
-    first = next(iter(bodies.values()))
-    grid = free_grid(mesh, first, run, tolerance=tolerance)
     under = conditions(run, space)
     # Equal bodies are simulated once.
     like = {

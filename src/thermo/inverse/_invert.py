@@ -15,6 +15,7 @@ from thermo.fields import AbstractField, TwoMaterialField
 from thermo.inverse._body import Meshing, duration
 from thermo.inverse._estimate import Estimate, RunFit, recovered
 from thermo.inverse._field_choice import AbstractFieldChoice, OnControlPoints, TwoMaterials
+from thermo.inverse._finer_mesh import finer_mesh_ahead
 from thermo.inverse._least_squares import LevenbergMarquardt
 from thermo.inverse._minimise import OnStep, minimise
 from thermo.inverse._objective import with_fields
@@ -99,13 +100,14 @@ def _check_start(start: float) -> None:
 def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: float) -> Estimate:
     ready = prepare(task)
     orders = stage_orders(task, ready)
-    fit = minimise(
-        [functools.partial(make_stage, task, ready, number) for number in range(len(orders))],
-        task.optimiser,
-        key=task.key(),
-        checkpoint=checkpoint,
-        on_step=on_step,
-    )
+    with finer_mesh_ahead(task, ready):
+        fit = minimise(
+            [functools.partial(make_stage, task, ready, number) for number in range(len(orders))],
+            task.optimiser,
+            key=task.key(),
+            checkpoint=checkpoint,
+            on_step=on_step,
+        )
     found = with_fields(fit.objective, fit.parameters)
     values = {name: (item.cell_values(), item.face_values()) for name, item in found.items()}
     diffusivity = diffusivity_quantile(ready.stated, values, len(ready.mesh.cells), 0.5)

@@ -171,8 +171,7 @@ def _advance(
         # What coarse tangents promise is not what they gain: a gain as small as that ends it too,
         # as long as the step was not shortened for lack of trust.
         gain = 0.5 * jnp.sum(before.f_info.residual**2) - loss
-        little = objective.settled * loss * before.search_state.step_size / FIRST_STEP
-        little = jnp.maximum(little, objective.gain)
+        little = least * before.search_state.step_size / FIRST_STEP
         settled = settled | (~before.first_step & (gain > 0) & (gain < little))
         stalled = state.num_steps_since_acceptance >= STALLED
     fine = (done & (result == optx.RESULTS.successful)) | settled

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import final
+from typing import Final, final
 
 import equinox as eqx
 import jax
@@ -84,6 +84,15 @@ def prior_residual(prior: FieldPrior, field: AbstractField) -> Float[Array, " te
     return jnp.concatenate([smooth, belief_residual(prior, field)])
 
 
+SETTLED: Final = 1e-4
+GAIN: Final = 0.05
+"""What a step must promise for a fit to go on: a share of the loss, or log-likelihood [1]."""
+
+
+def _number(value: float | Float[Array, ""]) -> Float[Array, ""]:
+    return jnp.asarray(value, float)
+
+
 @final
 class Objective(eqx.Module):
     """The whitened residual of several runs over one set of fields.
@@ -109,8 +118,9 @@ class Objective(eqx.Module):
     lagged: bool = eqx.field(static=True, default=False)
     tangents: Objective | None = None
     sequence: tuple[int, ...] = eqx.field(static=True, default=())
-    settled: float = eqx.field(static=True, default=1e-4)
-    gain: float = eqx.field(static=True, default=0.05)
+    # Numbers and not part of the program: a stage that stops sooner is not compiled anew.
+    settled: Float[Array, ""] = eqx.field(converter=_number, default=SETTLED)
+    gain: Float[Array, ""] = eqx.field(converter=_number, default=GAIN)
 
 
 def start(objective: Objective) -> Parameters:

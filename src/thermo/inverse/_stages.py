@@ -12,7 +12,7 @@ from thermo.inverse._case import group_cases, make_case, stack_cases
 from thermo.inverse._defect import less_defects, with_defects
 from thermo.inverse._field_choice import AbstractStagedChoice, Uniform
 from thermo.inverse._least_squares import LevenbergMarquardt
-from thermo.inverse._objective import Objective
+from thermo.inverse._objective import SETTLED, Objective
 from thermo.inverse._smoothing import ask_data, much_the_same, with_choice
 from thermo.inverse._stepping import COARSER, planned_steps
 from thermo.inverse._task import Ready, Task
@@ -91,13 +91,15 @@ def make_stage(task: Task, ready: Ready, number: int, before: Objective | None) 
     last = plain - 1 - corrected(task)
     if number > last:
         assert before is not None, "fields have been fitted"
-        return less_defects(task, ready, before)
+        return less_defects(task, ready, to_its_end(before))
     if asked:
         ready = _one_value(ready, before)
     elif before is not None:
         ready = _go_on(task, ready, before)
     objective = make_objective(task, ready, orders[number])
-    return objective if number == last else replace(objective, settled=SETTLED_EARLY)
+    # What is to be corrected hardly changes over the rest of the way, which the corrected fit goes.
+    ends = number == plain - 1
+    return objective if ends else replace(objective, settled=SETTLED_EARLY)
 
 
 def _asked_stage(
@@ -147,6 +149,12 @@ def _go_on(task: Task, ready: Ready, before: Objective) -> Ready:
     return replace(ready, fields=fields, priors=priors)
 
 
+def to_its_end(objective: Objective) -> Objective:
+    """The objective with the stop [1] of a stage after which none follows."""
+    coarse = objective.tangents is not None
+    return replace(objective, settled=SETTLED_COARSE if coarse else SETTLED)
+
+
 def make_objective(task: Task, ready: Ready, order: int) -> Objective:
     """The objective on cells of an order [1], with coarse tangents where they are wanted."""
     wanted = task.meshing.coarse_tangents
@@ -154,7 +162,7 @@ def make_objective(task: Task, ready: Ready, order: int) -> Objective:
     plain = plain_objective(task, ready, order, ready.steps, task.stepping.rtol)
     if not (coarse and isinstance(task.optimiser, LevenbergMarquardt)):
         return plain
-    return replace(plain, tangents=coarse_tangents(task, ready), settled=SETTLED_COARSE)
+    return to_its_end(replace(plain, tangents=coarse_tangents(task, ready)))
 
 
 def coarse_tangents(task: Task, ready: Ready) -> Objective:
