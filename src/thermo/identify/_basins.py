@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.stats import chi2
 
+from thermo.identify._bounds import checked_bounds
 from thermo.identify._path import Model, Point, settle
 
 CLOSE: Final = 0.1
@@ -79,10 +80,12 @@ def basins(
     End points are one where they lie within 0.1 standard deviations of each other, in the metric
     of the information there, and within 0.01 in chi squared.
 
+    Raises `InputError` for bounds that are not a pair for each unknown or leave no room.
+
     Source: Var = E_noise Var_start + Var_noise E_start, the law of total variance.
     """
     starts = np.atleast_2d(np.asarray(starts, float))
-    limits = np.tile([-np.inf, np.inf], (starts.shape[1], 1)) if bounds is None else bounds
+    limits = checked_bounds(bounds, starts.shape[1])
     count = 0
 
     def fit(drawn: Model, start: Float[np.ndarray, " unknowns"]) -> Point:

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from thermo.errors import InputError
+from thermo.identify._bounds import checked_bounds
 from thermo.identify._path import LEVEL, Model, Path, Point, follow, settle
 
 Kind = Literal["bounded", "one-sided", "flat", "at bound", "multimodal", "failed"]
@@ -85,7 +86,8 @@ def profile(
     others, and ends where nothing more is to be gained. A better optimum on the way begins
     everything anew.
 
-    Raises `InputError` where there is no unknown of that number.
+    Raises `InputError` where there is no unknown of that number, and for bounds that are not a pair
+    for each unknown or leave no room.
 
     Source: Raue et al., Bioinformatics 25 (2009) 1923.
     """
@@ -95,7 +97,7 @@ def profile(
             "there is no such unknown", where="number", value=number,
             limit=f"0 to {len(start) - 1}", remedy="number the unknowns from 0",
         )  # fmt: skip
-    bounds = np.tile([-np.inf, np.inf], (len(start), 1)) if bounds is None else bounds
+    bounds = checked_bounds(bounds, len(start))
     at = settle(model, start, bounds)
     for _ in range(RESTARTS + 1):
         paths = [follow(model, at, number, way, bounds, level, on_point) for way in (-1, 1)]

@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from thermo.errors import InputError
+from thermo.identify._bounds import checked_bounds
 from thermo.identify._path import Model, Point, settle
 from thermo.inverse import NORMAL
 
@@ -77,8 +78,9 @@ def samples(
     Source: Roberts and Tweedie, Bernoulli 2 (1996) 341; the length of a step, Roberts and
     Rosenthal, J. R. Statist. Soc. B 60 (1998) 255.
     """
-    start, bounds = np.asarray(start, float), np.asarray(bounds, float)
-    _refuse(bounds, len(start), count)
+    start = np.asarray(start, float)
+    bounds = checked_bounds(bounds, len(start))
+    _refuse(bounds, count)
     from blackjax.diagnostics import effective_sample_size  # noqa: PLC0415 - an extra
 
     at = settle(model, start, bounds)
@@ -153,20 +155,15 @@ def _known(value: Array, slope: Array) -> Callable[[Array], Array]:
     return density
 
 
-def _refuse(bounds: np.ndarray, unknowns: int, count: int) -> None:
+def _refuse(bounds: Float[np.ndarray, "unknowns 2"], count: int) -> None:
     if count < 10:
         raise InputError(
             "so few draws say nothing", where="count", value=count, limit="10 or more",
             remedy="leave it at 400",
         )  # fmt: skip
-    if bounds.shape != (unknowns, 2):
-        raise InputError(
-            "bounds are not those of the unknowns", where="bounds", value=f"shape {bounds.shape}",
-            limit=f"({unknowns}, 2), logarithms", remedy="give `LogModel.bounds`",
-        )  # fmt: skip
     if not np.all(np.isfinite(bounds)):
         raise InputError(
-            "draws need bounds on both sides", where="bounds", value=np.asarray(bounds).tolist(),
+            "draws need bounds on both sides", where="bounds", value=bounds.tolist(),
             limit="finite numbers", remedy="give `LogModel.bounds`",
         )  # fmt: skip
     if find_spec("blackjax") is None:
