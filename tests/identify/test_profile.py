@@ -135,7 +135,7 @@ def test_a_lamp_bounds_a_conductivity_and_cooling_alone_does_not(tmp_path: Path)
     def model(run: str, *unknown: str) -> LogModel:
         return log_model(
             block, runs=(run,), unknown=unknown, initial={"conductivity": CONDUCTIVITY},
-            meshing=Meshing(order=1, max_nodes=600, cache=tmp_path / "meshes"),
+            meshing=Meshing(order=1, max_nodes=600, corrected=False, cache=tmp_path / "meshes"),
             stepping=Stepping(tolerance=0.1, rtol=1e-9), model_error=0.1,
         )  # fmt: skip
 
