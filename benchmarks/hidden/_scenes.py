@@ -88,18 +88,20 @@ def cases(clean: int, draws: int) -> list[Case]:
 def exactness() -> dict[str, float]:
     """By how much recordings under the lamp change with steps or cells of half the length [K].
 
-    Cells are cut in eight, so that the body's shape stays. Of each the material that conducts less.
+    Cells are cut in eight, so that the body's shape stays.
     """
     found = {}
-    for shape, materials in SHAPES.items():
-        plain = stated(min(materials, key=lambda name: MATERIALS[name][2]))
+    for shape, material in ((one, each) for one, both in SHAPES.items() for each in both):
+        plain = stated(material)
         usual = readings(the_body(shape), plain, runs=("lamp",))["lamp"]
         finer = {
             "steps": readings(the_body(shape), plain, runs=("lamp",), finer=2.0),
             "cells": readings(body(shape, SAMPLES, seed=1, cut=1), plain, runs=("lamp",)),
         }
         for what, one in finer.items():
-            found[f"{shape} {what}"] = float(np.sqrt(np.mean((one["lamp"] - usual) ** 2)))
+            found[f"{shape} of {material}, {what}"] = float(
+                np.sqrt(np.mean((one["lamp"] - usual) ** 2))
+            )
     return found
 
 
