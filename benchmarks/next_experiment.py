@@ -48,7 +48,7 @@ from thermo.inverse import (
     Meshing,
     Sensitivity,
     Stepping,
-    _forward,
+    _defect,
     _stepping,
     _task,
     log_model,
@@ -299,7 +299,7 @@ def main() -> None:
     parser.add_argument("--trials", type=int, default=20)
     parser.add_argument("--draws", type=int, default=5)
     asked = parser.parse_args()
-    for user in (_stepping, _forward):
+    for user in (_stepping, _defect):
         user.free_grid = alike
     _task.make_mesh = bricks
     lines: list[list[object]] = []

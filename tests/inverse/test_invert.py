@@ -257,7 +257,9 @@ def lattice(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("lattice")
 def test_the_data_call_one_material_uniform(block: Path, meshing: Meshing) -> None:
-    how = {"meshing": replace(meshing, corrected=True), "stepping": Stepping(tolerance=0.02)}
+    quadratic = replace(meshing, order=2, corrected=True)
+    stepping = Stepping(tolerance=0.02)
+    how = {"meshing": quadratic, "stepping": stepping}
     choice = OnControlPoints(count=12)
     estimate = invert(block, runs=("lamp",), initial=START, choice=choice, **how)
     field = estimate.fields["conductivity"]
@@ -268,9 +270,9 @@ def test_the_data_call_one_material_uniform(block: Path, meshing: Meshing) -> No
     assert any(said in remark for remark in estimate.remarks)
     assert np.ptp(field.faces) < 0.02 * CONDUCTIVITY
     assert float(np.median(field.faces)) == pytest.approx(CONDUCTIVITY, rel=0.02)
-    # One value, with what cells make wrong and without; then the field, and once more where the
-    # choice changed.
-    assert 3 <= len(estimate.history) <= 4
+    # One value on linear cells, on quadratic ones, and without their errors; then the field, and
+    # once more where the choice changed.
+    assert 4 <= len(estimate.history) <= 5
     assert any("is allowed for" in remark for remark in estimate.remarks)
     for run in estimate.runs.values():
         assert run.deviation >= np.hypot(run.noise, 0.01) * (1 - 1e-9)
@@ -280,7 +282,7 @@ def test_the_data_call_one_material_uniform(block: Path, meshing: Meshing) -> No
 def test_a_fit_says_that_it_could_not_be_corrected(
     block: Path, meshing: Meshing, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("thermo.inverse._stages.less_defects", lambda task, ready, before: before)
+    monkeypatch.setattr("thermo.inverse._stages.less_defects", lambda *asked: asked[2])
     how = {"runs": ("lamp",), "optimiser": Walk(fixed=False)}
     estimate = stroll(block, replace(meshing, corrected=True), **how)
     assert any("could not be made" in remark for remark in estimate.remarks)

@@ -1,7 +1,6 @@
 """Meshing by pytetwild, its gate and its cache."""
 
 import os
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -47,21 +46,6 @@ def test_a_cube_is_filled_and_nothing_is_left_behind(cube, folder, tmp_path, mon
     assert mesh.volume() == pytest.approx(0.04**3, rel=2e-3)
     assert cell_quality(mesh).min() > 0.03
     assert locate(mesh, cube.vertices).distance.max() < 1e-4
-
-
-def test_two_threads_that_want_one_mesh_get_the_same_from_one_run(cube, tmp_path, monkeypatch):
-    made, run = [], module._run_mesher
-
-    def counted(*asked):
-        made.append(asked)
-        return run(*asked)
-
-    monkeypatch.setattr(module, "_run_mesher", counted)
-    with ThreadPoolExecutor(2) as pool:
-        want = [pool.submit(tetrahedralise, cube, COARSE, cache=tmp_path) for _ in range(2)]
-        first, second = (one.result() for one in want)
-    assert len(made) == 1
-    np.testing.assert_array_equal(first.nodes, second.nodes)
 
 
 def test_a_graded_ball_is_finer_at_the_skin(ball, folder):

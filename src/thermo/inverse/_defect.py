@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -47,16 +47,24 @@ Defects = Sequence[Float[Array, "runs frames samples"]]
 """What is added to the temperatures of each group of runs [K]."""
 
 
-def less_defects(task: Task, ready: Ready, before: Objective) -> Objective:
+def finer_mesh(task: Task, ready: Ready) -> Mesh:
+    """The mesh [m] on which defects are measured. Raises `InputError` where it cannot be made."""
+    return mesh_for(task, ready.stated, FINER)
+
+
+def less_defects(
+    task: Task, ready: Ready, before: Objective, finer: Callable[[], Mesh] | None = None
+) -> Objective:
     """The objective with its defects measured where it stands and taken off.
 
     As it is where the surface cannot be meshed so finely: what was done need not be lost for that.
+    `finer` gives the finer mesh [m] where it is being made already.
     """
     try:
-        finer = mesh_for(task, ready.stated, FINER)
+        mesh = finer_mesh(task, ready) if finer is None else finer()
     except InputError:
         return before
-    return with_defects(before, defects(task, ready, before, finer))
+    return with_defects(before, defects(task, ready, before, mesh))
 
 
 def defects(
@@ -109,8 +117,7 @@ def finer_readings(
         where = f"{task.scene.folder}: runs.{run.name}.recording"
         # Planned where it costs little: how fast a body changes shows on the fit's mesh too.
         steps = free_grid(ready.mesh, near, run, tolerance=tolerance)
-        order, bodies = task.meshing.order, {"here": far}
-        finer = forward(mesh, order, run, bodies, tolerance, where, additions, steps)
+        finer = forward(mesh, task.meshing.order, run, {"here": far}, steps, where, additions)
         wanted = np.asarray(ready.grids[run.name].frame_time)
         return finer.temperature[np.searchsorted(finer.time, wanted - 1e-9)]
 

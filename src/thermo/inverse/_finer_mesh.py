@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 
-from thermo.inverse._defect import FINER
+from thermo.inverse._defect import finer_mesh
 from thermo.inverse._stages import corrected
-from thermo.inverse._task import Ready, Task, mesh_for
+from thermo.inverse._task import Ready, Task
+from thermo.mesh import Mesh
 
 
 @contextmanager
-def finer_mesh_ahead(task: Task, ready: Ready) -> Generator[None]:
-    """Make the mesh [m] that corrects a fit beside it; whoever asks for it meanwhile waits.
+def finer_mesh_ahead(task: Task, ready: Ready) -> Generator[Callable[[], Mesh] | None]:
+    """What waits for the mesh [m] that corrects a fit, which is made beside it; None without one.
 
     Meshing is a process of its own that keeps one core busy, and the first stages of a fit, which
-    are compiled at that time, little more than another. Where it fails it fails again in its turn.
+    are compiled at that time, little more than another. Where it fails, whoever asks for it is
+    told, by `InputError`.
     """
     with ThreadPoolExecutor(1) as pool:
-        if corrected(task):
-            pool.submit(mesh_for, task, ready.stated, FINER)
-        yield
+        yield pool.submit(finer_mesh, task, ready).result if corrected(task) else None

@@ -90,10 +90,9 @@ def forward(
     order: int,
     run: Run,
     bodies: dict[str, Properties],
-    tolerance: float,
+    steps: TimeGrid,
     where: str,
     additions: tuple[Addition, ...] = (),
-    steps: TimeGrid | None = None,
 ) -> Prediction:
     """Simulate a run with each of `bodies`; the first one's temperatures [K] are kept.
 
@@ -101,17 +100,14 @@ def forward(
 
     - `mesh`: linear mesh [m]; `order` of the cells to simulate with [1].
     - `bodies`: properties by name, on the linear mesh's cells and faces [SI].
-    - `tolerance`: error of a step [K]; `where`: the recording's name in messages.
+    - `steps`: [s], a frame after each; `where`: the recording's name in messages.
     - `additions`: effects beside the stated ones.
-    - `steps`: [s], where they were planned elsewhere; by default those of the first body.
 
     Raises `InputError` where samples lie away from the surface.
     """
     space = discretise(of_order(mesh, order))
     readout, _ = bind(run.recording, space.mesh, where=where)
     wide = _with_corners(readout, space, mesh)
-    if steps is None:
-        steps = free_grid(mesh, next(iter(bodies.values())), run, tolerance=tolerance)
     results = _each(space, run, bodies, steps, wide, additions)
     recording = run.recording
     measured = np.where(recording.valid, recording.temperature, np.nan)
@@ -137,7 +133,8 @@ def temperatures(
 ) -> dict[str, Float[np.ndarray, "frames samples"]]:
     """What each of `bodies` reads at a recording's samples and frames [K].
 
-    Arguments as for `forward`; steps [s] are those that the first body asks for.
+    Arguments as for `forward`; steps [s] are those that the first body asks for, `tolerance` the
+    error of one [K].
 
     Raises `InputError` where samples lie away from the surface.
     """

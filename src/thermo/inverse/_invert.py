@@ -100,9 +100,10 @@ def _check_start(start: float) -> None:
 def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: float) -> Estimate:
     ready = prepare(task)
     orders = stage_orders(task, ready)
-    with finer_mesh_ahead(task, ready):
+    with finer_mesh_ahead(task, ready) as finer:
+        make = functools.partial(make_stage, task, ready, finer=finer)
         fit = minimise(
-            [functools.partial(make_stage, task, ready, number) for number in range(len(orders))],
+            [functools.partial(make, number) for number in range(len(orders))],
             task.optimiser,
             key=task.key(),
             checkpoint=checkpoint,

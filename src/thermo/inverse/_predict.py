@@ -17,6 +17,7 @@ from thermo.inverse._properties import (
     properties,
 )
 from thermo.inverse._selection import select_runs
+from thermo.inverse._stepping import free_grid
 from thermo.inverse._transfer import carry_over, check_same_object, medians
 from thermo.mesh import Mesh
 from thermo.observe import Scene, read_scene
@@ -110,7 +111,7 @@ def predict(
             order,
             run,
             bodies,
-            tolerance,
+            free_grid(mesh, bodies["spatial"], run, tolerance=tolerance),
             f"{scene.folder}: runs.{run.name}.recording",
             additions or (),
         )  # fmt: skip
@@ -154,4 +155,5 @@ def simulate(
     mesh = make_mesh(scene, surface_of(scene), stated.of("diffusivity"), meshing)
     body = properties(stated, {}, len(mesh.cells), len(mesh.faces))
     where = f"{scene.folder}: runs.{run}.recording"
-    return forward(mesh, meshing.order, picked, {"stated": body}, tolerance, where)
+    steps = free_grid(mesh, body, picked, tolerance=tolerance)
+    return forward(mesh, meshing.order, picked, {"stated": body}, steps, where)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import jax
@@ -16,6 +17,7 @@ from thermo.inverse._objective import SETTLED, Objective
 from thermo.inverse._smoothing import ask_data, much_the_same, with_choice
 from thermo.inverse._stepping import COARSER, planned_steps
 from thermo.inverse._task import Ready, Task
+from thermo.mesh import Mesh
 from thermo.physics import ConjugateGradient, TimeGrid, discretise
 
 FEW_UNKNOWNS = 8
@@ -77,10 +79,17 @@ def corrected(task: Task) -> bool:
     return task.meshing.corrected and not task.optimiser.fixed_length()
 
 
-def make_stage(task: Task, ready: Ready, number: int, before: Objective | None) -> Objective | None:
+def make_stage(
+    task: Task,
+    ready: Ready,
+    number: int,
+    before: Objective | None,
+    *,
+    finer: Callable[[], Mesh] | None = None,
+) -> Objective | None:
     """The objective of a stage, from where the stage `before` it ended [1].
 
-    None where the stage would repeat the one before it.
+    None where the stage would repeat the one before it. `finer` as for `less_defects` [m].
     """
     orders = stage_orders(task, ready)
     asked = ASKED if data_choose(task, ready) else 0
@@ -91,7 +100,7 @@ def make_stage(task: Task, ready: Ready, number: int, before: Objective | None) 
     last = plain - 1 - corrected(task)
     if number > last:
         assert before is not None, "fields have been fitted"
-        return less_defects(task, ready, to_its_end(before))
+        return less_defects(task, ready, _to_its_end(before), finer)
     if asked:
         ready = _one_value(ready, before)
     elif before is not None:
@@ -149,7 +158,7 @@ def _go_on(task: Task, ready: Ready, before: Objective) -> Ready:
     return replace(ready, fields=fields, priors=priors)
 
 
-def to_its_end(objective: Objective) -> Objective:
+def _to_its_end(objective: Objective) -> Objective:
     """The objective with the stop [1] of a stage after which none follows."""
     coarse = objective.tangents is not None
     return replace(objective, settled=SETTLED_COARSE if coarse else SETTLED)
@@ -162,7 +171,7 @@ def make_objective(task: Task, ready: Ready, order: int) -> Objective:
     plain = plain_objective(task, ready, order, ready.steps, task.stepping.rtol)
     if not (coarse and isinstance(task.optimiser, LevenbergMarquardt)):
         return plain
-    return to_its_end(replace(plain, tangents=coarse_tangents(task, ready)))
+    return _to_its_end(replace(plain, tangents=coarse_tangents(task, ready)))
 
 
 def coarse_tangents(task: Task, ready: Ready) -> Objective:

@@ -5,10 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import tempfile
-import threading
 import zipfile
-from collections.abc import Generator
-from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Final
@@ -23,18 +20,6 @@ from ._surface import Surface
 
 FORMAT: Final = "thermofield-mesh/1"
 """Version of this file format and of the code that asks the mesher."""
-
-_GUARD: Final = threading.Lock()
-_MAKERS: Final[dict[Path, threading.Lock]] = {}
-
-
-@contextmanager
-def one_maker(entry: Path) -> Generator[None]:
-    """One thread at a time makes an entry: another that wants it waits, and finds it there."""
-    with _GUARD:
-        mine = _MAKERS.setdefault(entry, threading.Lock())
-    with mine:
-        yield
 
 
 def default_cache() -> Path:

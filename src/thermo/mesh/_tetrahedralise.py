@@ -14,7 +14,7 @@ from jaxtyping import Float, Int
 from thermo.errors import InputError
 
 from . import _mesher_child
-from ._cache import content_key, default_cache, load_cells, one_maker, save_cells
+from ._cache import content_key, default_cache, load_cells, save_cells
 from ._gate import gated_mesh
 from ._mesh import Mesh
 from ._simplify import simplified
@@ -65,13 +65,6 @@ def tetrahedralise(
     """
     folder = default_cache() if cache is None else Path(cache)
     entry = folder / f"{content_key(surface, sizing, (STOP_ENERGY, PASSES, ASK))}.npz"
-    with one_maker(entry):
-        return _kept_or_made(entry, surface, sizing, time_limit, where)
-
-
-def _kept_or_made(
-    entry: Path, surface: Surface, sizing: Sizing, time_limit: float, where: str
-) -> Mesh:
     kept = load_cells(entry)
     if kept is not None:
         try:
