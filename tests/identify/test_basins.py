@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from thermo.errors import InputError
 from thermo.identify import basins
 
 ROWS = 50
@@ -77,6 +78,8 @@ def test_bounds_hold_and_what_has_no_effect_stays() -> None:
     assert np.all(found.centres[:, 0] == 1.0)
     assert np.isinf(found.linear[1]) and len(found.centres) == 1
     assert found.of_start.tolist() == [0, 0, 0]
+    with pytest.raises(InputError, match="no room"):
+        basins(linear(matrix, np.zeros(2)), STARTS, bounds=[[1.0, 0.0], [-5.0, 5.0]])
 
 
 def test_fits_are_counted() -> None:

@@ -17,10 +17,7 @@ def test_a_pair_for_each_unknown_is_taken(given: Any) -> None:
 
 
 def test_where_none_are_given_none_hold() -> None:
-    found = checked_bounds(None, 3)
-    assert (
-        found.shape == (3, 2) and (found[:, 0] == -np.inf).all() and (found[:, 1] == np.inf).all()
-    )
+    np.testing.assert_array_equal(checked_bounds(None, 3), [[-np.inf, np.inf]] * 3)
 
 
 @pytest.mark.parametrize(

@@ -85,6 +85,14 @@ def test_what_another_makes_up_for_is_flat() -> None:
     assert found.rises.max() < 1e-6
 
 
+def test_bounds_may_be_a_list_and_what_is_no_pair_each_is_refused() -> None:
+    model = of(lambda u: u[0] - 1, lambda u: u[1] - 3)
+    found = profile(model, np.array([0.0, 0.3]), 0, bounds=[[-5, 1], [-2, 2]])
+    assert found.kind == "at bound"
+    with pytest.raises(InputError, match="not those of the unknowns"):
+        profile(model, np.zeros(2), 0, bounds=[[-5, 1]])
+
+
 def test_an_optimum_beyond_a_bound_lies_on_it() -> None:
     model = of(lambda u: u[0] - 1, lambda u: u[1] - 3)
     # The optimum of the other, 3, is out of reach as well.

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.stats import chi2
 
-from thermo.identify._bounds import checked_bounds
+from thermo.identify._bounds import Bounds, checked_bounds
 from thermo.identify._path import Model, Point, settle
 
 CLOSE: Final = 0.1
@@ -63,7 +63,7 @@ def basins(
     model: Model,
     starts: Float[np.ndarray, "starts unknowns"],
     *,
-    bounds: Float[np.ndarray, "unknowns 2"] | None = None,
+    bounds: Bounds | None = None,
     draws: int = 0,
     seed: int = 0,
     on_fit: Callable[[int], object] = lambda _: None,

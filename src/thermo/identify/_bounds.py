@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from thermo.errors import InputError
+
+Bounds = Sequence[Sequence[float]] | Float[np.ndarray, "bounded 2"]
+"""A lower and an upper value [1] for each unknown."""
 
 
 def checked_bounds(bounds: Any, unknowns: int) -> Float[np.ndarray, "unknowns 2"]:

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from thermo.errors import InputError
-from thermo.identify._bounds import checked_bounds
+from thermo.identify._bounds import Bounds, checked_bounds
 from thermo.identify._path import LEVEL, Model, Path, Point, follow, settle
 
 Kind = Literal["bounded", "one-sided", "flat", "at bound", "multimodal", "failed"]
@@ -68,7 +68,7 @@ def profile(
     start: Float[np.ndarray, " unknowns"],
     number: int,
     *,
-    bounds: Float[np.ndarray, "unknowns 2"] | None = None,
+    bounds: Bounds | None = None,
     level: float = LEVEL,
     on_point: Callable[[int], object] = lambda _: None,
 ) -> Profile:
@@ -97,15 +97,15 @@ def profile(
             "there is no such unknown", where="number", value=number,
             limit=f"0 to {len(start) - 1}", remedy="number the unknowns from 0",
         )  # fmt: skip
-    bounds = checked_bounds(bounds, len(start))
-    at = settle(model, start, bounds)
+    limits = checked_bounds(bounds, len(start))
+    at = settle(model, start, limits)
     for _ in range(RESTARTS + 1):
-        paths = [follow(model, at, number, way, bounds, level, on_point) for way in (-1, 1)]
+        paths = [follow(model, at, number, way, limits, level, on_point) for way in (-1, 1)]
         lowest = min((point for path in paths for point in path.points), key=_height, default=at)
         if lowest.chi2 >= at.chi2 - LOWER:
             break
-        at = settle(model, lowest.unknowns, bounds)
-    return _profile(at, number, paths, bounds[number], level)
+        at = settle(model, lowest.unknowns, limits)
+    return _profile(at, number, paths, limits[number], level)
 
 
 def _height(point: Point) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from thermo.errors import InputError
-from thermo.identify._bounds import checked_bounds
+from thermo.identify._bounds import Bounds, checked_bounds
 from thermo.identify._path import Model, Point, settle
 from thermo.inverse import NORMAL
 
@@ -52,7 +52,7 @@ def samples(
     model: Model,
     start: Float[np.ndarray, " unknowns"],
     *,
-    bounds: Float[np.ndarray, "bounded 2"],
+    bounds: Bounds,
     count: int = 400,
     seed: int = 0,
     on_draw: Callable[[int], object] = lambda _: None,
@@ -79,14 +79,14 @@ def samples(
     Rosenthal, J. R. Statist. Soc. B 60 (1998) 255.
     """
     start = np.asarray(start, float)
-    bounds = checked_bounds(bounds, len(start))
-    _refuse(bounds, count)
+    limits = checked_bounds(bounds, len(start))
+    _refuse(limits, count)
     from blackjax.diagnostics import effective_sample_size  # noqa: PLC0415 - an extra
 
-    at = settle(model, start, bounds)
-    root = _root(at, bounds)
+    at = settle(model, start, limits)
+    root = _root(at, limits)
     drawn, taken, early = [], [], -(-count // 4)
-    for state, accepted in _chain(_density(model, at, root, bounds), len(start), seed):
+    for state, accepted in _chain(_density(model, at, root, limits), len(start), seed):
         drawn.append(state)
         taken.append(accepted)
         on_draw(len(drawn))
@@ -94,7 +94,7 @@ def samples(
             break
     if not any(taken[early:]):
         raise InputError(
-            "no step of the draws could be taken", where="bounds", value=bounds.tolist(),
+            "no step of the draws could be taken", where="bounds", value=limits.tolist(),
             limit="bounds that hold more than the optimum, which lies at "
             + ", ".join(f"{one:.4g}" for one in at.unknowns),
             remedy="give wider ones; they are of logarithms where `model` is a `LogModel`",
