@@ -10,8 +10,9 @@ where the data tell at least half, of these `edge` within 5 mm of where the two 
 about as far as the fit's control points lie apart, and `away` the rest. The truth of a face, 4 or
 1 W/m/K on either side of x = -19 mm, is that of the cell behind it: a side of the wall lies in that
 very plane.
-`band` is the median half-width of a band and `error` the median error of log(k). Leaves
-benchmarks/results/field_coverage.csv, to which the same command adds the draws that it lacks.
+`nodes` is about the most of the fit's mesh, `band` the median half-width of a band and `error` the
+median error of log(k). Leaves benchmarks/results/field_coverage.csv, to which the same command adds
+the draws that it lacks.
 """
 
 from __future__ import annotations
@@ -35,8 +36,8 @@ MEET, EDGE = -0.019, 0.005  # m
 VALUES = (4.0, 1.0)  # W/m/K
 NORMAL = 1.96
 COLUMNS = (
-    "draw", "all", "informed", "edge", "away", "not informed", "band", "error", "fit_seconds",
-    "seconds",
+    "draw", "nodes", "all", "informed", "edge", "away", "not informed", "band", "error",
+    "fit_seconds", "seconds",
 )  # fmt: skip
 
 
@@ -77,7 +78,7 @@ def line(scene: Scene, draw: int, meshing: Meshing) -> list[str]:
     groups = (np.ones_like(edge), seen, seen & edge, seen & ~edge, ~seen)
     shares = [np.average((apart < band)[mine], weights=areas[mine]) for mine in groups]
     sizes = (*shares, np.median(band), np.median(apart), fitted - begun, seconds)
-    return [str(draw), *(f"{size:.3g}" for size in sizes)]
+    return [str(draw), str(meshing.max_nodes), *(f"{size:.3g}" for size in sizes)]
 
 
 def done() -> list[list[str]]:
@@ -97,8 +98,9 @@ def main() -> None:
     scene = read_scene(HERE.parent / "examples" / "bracket")
     print(*COLUMNS)
     lines = done()
-    there = {line[0] for line in lines}
-    for draw in (one for one in range(asked.draws + 1) if str(one) not in there):
+    there = {tuple(row[:2]) for row in lines}
+    wanted = range(asked.draws + 1)
+    for draw in (one for one in wanted if (str(one), str(asked.nodes)) not in there):
         lines.append(line(noisier(scene, draw), draw, Meshing(max_nodes=asked.nodes)))
         print(*lines[-1], flush=True)
         with RESULTS.open("w", newline="") as stream:

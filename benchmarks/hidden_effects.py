@@ -45,7 +45,7 @@ def main() -> None:
     parser.add_argument("--check", action="store_true")
     asked = parser.parse_args()
     if asked.check:
-        for what, apart in exactness().items():
+        for what, apart in exactness():
             print(f"{what}: {1e3 * apart:.2g} mK", flush=True)
         return
     suite = cases(asked.clean, asked.draws)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -85,12 +85,11 @@ def cases(clean: int, draws: int) -> list[Case]:
     return sorted(found, key=lambda one: (one.shape, one.material))
 
 
-def exactness() -> dict[str, float]:
+def exactness() -> Iterator[tuple[str, float]]:
     """By how much recordings under the lamp change with steps or cells of half the length [K].
 
     Cells are cut in eight, so that the body's shape stays.
     """
-    found = {}
     for shape, material in ((one, each) for one, both in SHAPES.items() for each in both):
         plain = stated(material)
         usual = readings(the_body(shape), plain, runs=("lamp",))["lamp"]
@@ -99,10 +98,8 @@ def exactness() -> dict[str, float]:
             "cells": readings(body(shape, SAMPLES, seed=1, cut=1), plain, runs=("lamp",)),
         }
         for what, one in finer.items():
-            found[f"{shape} of {material}, {what}"] = float(
-                np.sqrt(np.mean((one["lamp"] - usual) ** 2))
-            )
-    return found
+            apart = float(np.sqrt(np.mean((one["lamp"] - usual) ** 2)))
+            yield f"{shape} of {material}, {what}", apart
 
 
 @cache
