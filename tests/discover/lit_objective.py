@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import jax.numpy as jnp
 import numpy as np
-from lit_box import FRAMES, HOT, LAMP, MESH, POINTS, SPACE, STATED, run
+import trimesh
+from lit_box import FRAMES, HOT, LAMP, MESH, POINTS, SIZE, SPACE, STATED, run
 
 from thermo.fields import QUANTITIES
-from thermo.inverse import Case, Objective, OnControlPoints
+from thermo.inverse import (
+    Case,
+    LevenbergMarquardt,
+    Meshing,
+    Objective,
+    OnControlPoints,
+    Prior,
+    Stepping,
+    Task,
+    Uniform,
+)
 from thermo.inverse._case import group_cases, make_case, stack_cases
 from thermo.inverse._objective import FieldPrior
-from thermo.observe import Run
+from thermo.observe import Run, Scene, StatedMaterial
 from thermo.physics import ConjugateGradient, every_step, uniform_steps
 from thermo.physics.integrators import Sdirk2
 
@@ -42,6 +55,18 @@ def objective(runs: tuple[Run, ...] = RUNS, controls: int = 3) -> Objective:
         Sdirk2(), ConjugateGradient(rtol=1e-12),
         sequence=tuple(number for group in group_cases(cases) for number in group),
     )  # fmt: skip
+
+
+def box_task(folder: Path) -> Task:
+    """What is asked of the runs, on the surface of the box, which is left in a folder."""
+    trimesh.creation.box(extents=SIZE).export(folder / "box.ply")
+    material = StatedMaterial("clay", 1100.0, 1400.0, STATED.conductivity)
+    scene = Scene(
+        folder, "box", folder / "box.ply", "m", material, STATED.convection, STATED.emissivity,
+        ("conductivity",), {}, {one.name: one for one in RUNS},
+    )  # fmt: skip
+    how = (Uniform(), LevenbergMarquardt(), Prior(), Stepping(), Meshing())
+    return Task(scene, RUNS, ("conductivity",), *how, "none", {}, 0, 0.01)
 
 
 def parts(of: Objective) -> list[slice]:

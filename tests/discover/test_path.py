@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from lit_box import MESH, STATED
 from standings import VALUES, standing
 from verdicts import one_round
 
@@ -19,8 +21,11 @@ from thermo.discover._extended import Extended
 from thermo.discover._pace import silent
 from thermo.discover._path import SearchPath, search
 from thermo.discover._scores import Score, ScoreTable
+from thermo.discover._search import Standing
 from thermo.discover.candidates import CameraDrift, HiddenSource
 from thermo.inverse import Ready
+
+from .lit_objective import box_task, objective
 
 PLACE = Place(jnp.zeros((1, 3)), jnp.ones(1))
 
@@ -37,8 +42,12 @@ def searched(
     alarms: int,
     *,
     place: bool = False,
+    slight: bool = False,
 ) -> SearchPath:
-    """A search whose standings leave so much, with so many alarms by scores."""
+    """A search whose standings leave so much, with so many alarms by scores.
+
+    Where the first one is `slight`, it is checked on the second of the standings.
+    """
     standings = [standing(told + 50.0, 2, smooth=told) for told in left]
     table = ScoreTable([], [], 3.4, np.zeros((0, 0)), np.zeros((0, 0)))
     raised = iter([True] * alarms + [False] * 9)
@@ -46,6 +55,8 @@ def searched(
     fakes: dict[str, Any] = {
         "scored": lambda *_, **__: table,
         "_alarm": lambda _: next(raised),
+        "_slight": lambda *_: slight,
+        "checked": lambda *_: (next(order), table),
         "refits": lambda *_: [None],
         "put_first": lambda made, _: made,
         "make_round": lambda *_: next(made),
@@ -106,6 +117,55 @@ def test_a_fault_of_the_record_is_told_of_and_not_named(monkeypatch: pytest.Monk
     path = searched(monkeypatch, [5000.0], [drift], alarms=1)
     assert path.word == "none_of_mine" and path.rounds == []
     assert "camera_drift of 0.002 K/s" in path.remarks[0] and "known temperature" in path.remarks[0]
+
+
+def test_a_slight_alarm_is_checked_before_anything_is_refitted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    path = searched(monkeypatch, [1.5, 1.0], [], alarms=0, slight=True)
+    assert path.word == "no_gap" and path.begun is path.standing
+    assert path.begun.gap()[0] == pytest.approx(1.0), "where it was checked, not where it began"
+    rounds = [found(0.1, 0.5, 0.9)]
+    path = searched(monkeypatch, [1.5, 1.4, 1.0], rounds, alarms=1, slight=True)
+    assert path.word == "named" and path.begun.gap()[0] == pytest.approx(1.4)
+
+
+@pytest.mark.parametrize(
+    ("z", "smooth", "slight"),
+    [(3.0, 1.0, False), (3.0, 40.0, True), (3.5, 1.0, True), (6.7, 1.0, True), (6.9, 1.0, False)],
+)
+def test_an_alarm_is_slight_where_cells_could_raise_it(
+    z: float, smooth: float, slight: bool
+) -> None:
+    # The threshold is 3.4.
+    assert _path._slight(standing(60.0, 2, smooth=smooth), table_of(z)) is slight
+
+
+@pytest.mark.parametrize("z", [3.0, 5.0])
+def test_what_only_cells_raise_is_told(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, z: float
+) -> None:
+    usual, smaller = (
+        Bench(box_task(tmp_path), Ready(MESH, STATED, {}, {}, {}, {}), objective(), MESH)
+        for _ in range(2)
+    )
+    made = standing(60.0, 2)
+    began = Standing(usual, {}, made.point, (), made.ended, made.allowed)
+    measured: list[int] = []
+
+    def fitted(anew: Standing, times: int) -> Standing:
+        assert anew.bench is smaller
+        measured.append(times)
+        return anew
+
+    monkeypatch.setattr(_path, "finest", lambda _: smaller)
+    monkeypatch.setattr(_path, "fitted", fitted)
+    monkeypatch.setattr(_path, "scored", lambda *_, **__: table_of(z))
+    remarks: list[str] = []
+    last, anew = _path.checked(began, (), table_of(4.2), silent(), remarks)
+    assert measured == [1] and last.bench is smaller and anew.scores[0].z == z
+    assert (remarks == []) is (z > 3.4)
+    assert all("4.2 passed the threshold" in one for one in remarks)
 
 
 def pruned_to(

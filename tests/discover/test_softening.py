@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import jax.numpy as jnp
 import numpy as np
 import pytest
-import trimesh
-from lit_box import SIZE, STATED
 
 from thermo.discover._extended import whitened
 from thermo.discover._modes import space_modes, time_modes
@@ -22,19 +19,9 @@ from thermo.discover._softening import (
     softened,
     stamp_columns,
 )
-from thermo.inverse import (
-    DEFECT_LEFT,
-    LevenbergMarquardt,
-    Meshing,
-    Objective,
-    Prior,
-    Stepping,
-    Task,
-    Uniform,
-)
-from thermo.observe import Scene, StatedMaterial
+from thermo.inverse import DEFECT_LEFT, Objective, Task
 
-from .lit_objective import RUNS, objective
+from .lit_objective import RUNS, box_task, objective
 
 SPREADS = (3.0, 0.2)
 PRIORS = 5
@@ -137,15 +124,7 @@ def real() -> Objective:
 
 @pytest.fixture(scope="module")
 def task(tmp_path_factory: pytest.TempPathFactory) -> Task:
-    folder: Path = tmp_path_factory.mktemp("box")
-    trimesh.creation.box(extents=SIZE).export(folder / "box.ply")
-    material = StatedMaterial("clay", 1100.0, 1400.0, STATED.conductivity)
-    scene = Scene(
-        folder, "box", folder / "box.ply", "m", material, STATED.convection, STATED.emissivity,
-        ("conductivity",), {}, {one.name: one for one in RUNS},
-    )  # fmt: skip
-    how = (Uniform(), LevenbergMarquardt(), Prior(), Stepping(), Meshing())
-    return Task(scene, RUNS, ("conductivity",), *how, "none", {}, 0, 0.01)
+    return box_task(tmp_path_factory.mktemp("box"))
 
 
 def errors(of: Objective) -> np.ndarray:

@@ -13,6 +13,7 @@ from jaxtyping import Array, Float
 from thermo.discover._candidate import Candidate
 from thermo.discover._extended import Extended, readings
 from thermo.discover._memory import Memory
+from thermo.errors import InputError
 from thermo.inverse import (
     FINER,
     Objective,
@@ -33,6 +34,9 @@ from thermo.physics.integrators import Sdirk2
 
 # Edges of a fit's cells over those of cells that resolve an effect's place [1].
 _SMALLER: Final = 1.6
+
+# Edges of a fit's cells over those that a slight alarm is checked against [1].
+_FINEST: Final = 3.0
 
 Apart = list[Float[Array, "runs frames samples"]]
 """Temperatures of each group of runs, or differences of them [K]."""
@@ -75,6 +79,17 @@ def resolved(bench: Bench) -> Bench:
     task, ready = bench.task, bench.ready
     ready = lay_out(task, mesh_for(task, ready.stated, _SMALLER), ready.stated)
     return replace(bench, ready=ready, coarse=coarse_tangents(task, ready))
+
+
+def finest(bench: Bench) -> Bench:
+    """The bench with smaller cells still to be measured against [m].
+
+    As it is where the surface cannot be meshed so finely.
+    """
+    try:
+        return replace(bench, finer=mesh_for(bench.task, bench.ready.stated, _FINEST))
+    except InputError:
+        return bench
 
 
 def edge_of(bench: Bench) -> float:

@@ -109,14 +109,13 @@ def discover(
     begun, left = _begin(bench, every, pace)
     path = search(begun, tuple(one for one in every if one.card.law), pace)
     pace.step("predicting held-out runs")
-    proof = held_out(bench, begun.point, path.standing.point)
-    return _answer(begun, path, proof, left, time.monotonic() - started)
+    proof = held_out(bench, path.begun.point, path.standing.point)
+    return _answer(path, proof, left, time.monotonic() - started)
 
 
-def _answer(
-    begun: Standing, path: SearchPath, proof: Mapping[str, HeldOut], left: Apart, seconds: float
-) -> Verdict:
+def _answer(path: SearchPath, proof: Mapping[str, HeldOut], left: Apart, seconds: float) -> Verdict:
     """A search of so many seconds [s] as a verdict; `left`: see `_sizes` [K]."""
+    begun = path.begun
     last = path.standing if path.word in ("named", "inseparable") else begun
     named = {one.effect.card.name for one in path.rounds}
     return Verdict(
