@@ -132,7 +132,7 @@ def test_a_slight_alarm_is_checked_before_anything_is_refitted(
 
 @pytest.mark.parametrize(
     ("z", "smooth", "slight"),
-    [(3.0, 1.0, False), (3.0, 40.0, True), (3.5, 1.0, True), (6.7, 1.0, True), (6.9, 1.0, False)],
+    [(3.0, 1.0, False), (3.0, 40.0, True), (3.5, 1.0, True), (10.1, 1.0, True), (10.3, 1.0, False)],
 )
 def test_an_alarm_is_slight_where_cells_could_raise_it(
     z: float, smooth: float, slight: bool

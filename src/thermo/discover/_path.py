@@ -51,7 +51,7 @@ _FINE: Final = (
     "and cells blur them, so that nothing more is read into it."
 )
 # What the finer cells are still wrong by may pass the threshold, hardly so many times [1].
-_SLIGHT: Final = 2.0
+_SLIGHT: Final = 3.0
 _CELLS: Final = (
     "A score of {:.3g} passed the threshold against cells half as long as a fit's, and none does "
     "against cells a third as long: it came from the cells."
