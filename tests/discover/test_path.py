@@ -166,6 +166,9 @@ def test_what_only_cells_raise_is_told(
     assert measured == [1] and last.bench is smaller and anew.scores[0].z == z
     assert (remarks == []) is (z > 3.4)
     assert all("4.2 passed the threshold" in one for one in remarks)
+    monkeypatch.setattr(_path, "finest", lambda bench: bench)
+    before = table_of(4.2)
+    assert _path.checked(began, (), before, silent(), []) == (began, before), "no smaller cells"
 
 
 def pruned_to(
