@@ -103,7 +103,7 @@ def lacking(shape: str, material: str) -> Readings:
     """What cells short at the skin and short steps read more where nothing is hidden [K].
 
     Added to what the usual ones read, where something is hidden as well: to make each case on these
-    would take ten times as long, and what is hidden changes little of it.
+    would take many times as long. How much of it what is hidden changes is not known.
     """
     plain = stated(material)
     best = readings(body(shape, SAMPLES, seed=1, finer=CUTS), plain, finer=SHORTER)

@@ -14,7 +14,7 @@ from lit_box import MESH, STATED
 from standings import VALUES, standing
 from verdicts import one_round
 
-from thermo.discover import Calibration, Place, Round, _path
+from thermo.discover import Calibration, Card, Place, Round, _path
 from thermo.discover._bench import Bench
 from thermo.discover._entries import Entry
 from thermo.discover._extended import Extended
@@ -22,7 +22,7 @@ from thermo.discover._pace import silent
 from thermo.discover._path import SearchPath, search
 from thermo.discover._scores import Score, ScoreTable
 from thermo.discover._search import Standing
-from thermo.discover.candidates import CameraDrift, HiddenSource
+from thermo.discover.candidates import CameraDrift, HiddenSource, Void
 from thermo.inverse import Ready
 
 from .lit_objective import box_task, objective
@@ -162,12 +162,13 @@ def test_what_only_cells_raise_is_told(
     monkeypatch.setattr(_path, "fitted", fitted)
     monkeypatch.setattr(_path, "scored", lambda *_, **__: table_of(z))
     remarks: list[str] = []
-    last, anew = _path.checked(began, (), table_of(4.2), silent(), remarks)
+    # A score to the side on which its strength cannot be raises no alarm, however large.
+    before = beside(table_of(4.2), table_of(-9.0, Void.card))
+    last, anew = _path.checked(began, (), before, silent(), remarks)
     assert measured == [1] and last.bench is smaller and anew.scores[0].z == z
     assert (remarks == []) is (z > 3.4)
     assert all("4.2 passed the threshold" in one for one in remarks)
     monkeypatch.setattr(_path, "finest", lambda bench: bench)
-    before = table_of(4.2)
     assert _path.checked(began, (), before, silent(), []) == (began, before), "no smaller cells"
 
 
@@ -203,8 +204,11 @@ def test_one_without_which_the_fit_is_worse_stays(monkeypatch: pytest.MonkeyPatc
     assert len(kept) == 2 and remarks == []
 
 
-def table_of(z: float) -> ScoreTable:
-    card = CameraDrift.card
+def beside(one: ScoreTable, other: ScoreTable) -> ScoreTable:
+    return replace(one, scores=one.scores + other.scores)
+
+
+def table_of(z: float, card: Card = CameraDrift.card) -> ScoreTable:
     one = Score(Entry(0, 0, card, np.array([0])), z, np.ones(1), 0.2, 1.0, 0.3, slice(0, 1))
     return ScoreTable([one], [], 3.4, np.eye(1), np.zeros((VALUES, 1)))
 

@@ -35,8 +35,8 @@ from thermo.physics.integrators import Sdirk2
 # Edges of a fit's cells over those of cells that resolve an effect's place [1].
 _SMALLER: Final = 1.6
 
-# Edges of a fit's cells over those that a slight alarm is checked against [1].
-_FINEST: Final = 3.0
+FINEST: Final = 3.0
+"""Edges of a fit's cells over those that a slight alarm is checked against [1]."""
 
 Apart = list[Float[Array, "runs frames samples"]]
 """Temperatures of each group of runs, or differences of them [K]."""
@@ -87,7 +87,7 @@ def finest(bench: Bench) -> Bench:
     As it is where the surface cannot be meshed so finely.
     """
     try:
-        return replace(bench, finer=mesh_for(bench.task, bench.ready.stated, _FINEST))
+        return replace(bench, finer=mesh_for(bench.task, bench.ready.stated, FINEST))
     except InputError:
         return bench
 

@@ -8,7 +8,7 @@ from typing import Final, final
 import numpy as np
 from scipy.stats import chi2
 
-from thermo.discover._bench import edge_of, finest, resolved
+from thermo.discover._bench import FINEST, edge_of, finest, resolved
 from thermo.discover._calibration import Calibration, calibration
 from thermo.discover._candidate import Candidate, Place
 from thermo.discover._pace import Pace
@@ -33,6 +33,7 @@ from thermo.discover._search import (
     without,
 )
 from thermo.discover._verdict import Effect, Round, Word
+from thermo.inverse import FINER
 
 # Chance of a false alarm by the largest score, and by the misfit in smooth shapes [1]; each round
 # has half of the one before.
@@ -53,8 +54,8 @@ _FINE: Final = (
 # What the finer cells are still wrong by may pass the threshold, hardly so many times [1].
 _SLIGHT: Final = 3.0
 _CELLS: Final = (
-    "A score of {:.3g} passed the threshold against cells half as long as a fit's, and none does "
-    "against cells a third as long: it came from the cells."
+    "A score of {:.3g} passed the threshold against cells {:g} times as short as a fit's, and none "
+    "does against cells {:g} times as short: it came from the cells."
 )
 # An effect may as well be absent where scatter gives strengths as large with this chance [1].
 _ABSENT: Final = 0.05
@@ -139,19 +140,16 @@ def checked(
         return begun, table
     standing = fitted(replace(begun, bench=bench), times=1)
     anew = scored(standing, laws, alpha=_BY_SCORE)
-    if _alarm(table) and not _alarm(anew):
-        remarks.append(_CELLS.format(_largest(table)))
+    raised = [abs(one.z) for one in table.scores if credible(one, table.threshold)]
+    if raised and not _alarm(anew):
+        remarks.append(_CELLS.format(max(raised), FINER, FINEST))
     return standing, anew
 
 
 def _slight(standing: Standing, table: ScoreTable) -> bool:
     """Whether there is an alarm that no large score raises."""
     alarm = _alarm(table) or by_shapes(standing) <= _BY_SHAPES
-    return alarm and _largest(table) < _SLIGHT * table.threshold
-
-
-def _largest(table: ScoreTable) -> float:
-    return max((abs(one.z) for one in table.scores), default=0.0)
+    return alarm and all(abs(one.z) < _SLIGHT * table.threshold for one in table.scores)
 
 
 def calibrated(begun: Standing, table: ScoreTable) -> Calibration:
