@@ -65,6 +65,8 @@ def searched(
         "placed": lambda made: place and made is not standings[0],
         "on_small_cells": lambda made, rounds, *_: (made, rounds),
         "with_doubt": lambda made, _: made,
+        "rivals_of": lambda *_: {},
+        "replaced": lambda made, rounds, *_: (made, rounds, []),
         "undoubted": lambda made, _: made,
         "with_joint_effects": lambda rounds, *_: rounds,
         "calibrated": lambda *_: Calibration(np.ones(9), 0.04, 0.01, 0.05),

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from lit_box import MESH, STATED
 from standings import VALUES, standing
 
 from thermo.discover import _search as module
+from thermo.discover._bench import Bench
 from thermo.discover._candidate import Card
 from thermo.discover._entries import Entry
 from thermo.discover._pace import silent
@@ -17,13 +20,18 @@ from thermo.discover._rounds import evidence, share_closed, simplest_first, toge
 from thermo.discover._scores import Score, ScoreTable
 from thermo.discover._search import (
     Refit,
+    Standing,
     could_reach,
     in_order,
     near_best,
+    on_same_cells,
     refits,
     scored,
     worth_a_refit,
 )
+from thermo.inverse import Ready
+
+from .lit_objective import box_task, objective
 
 
 def refit(name: str, left: float, free: int, smooth: float = 1.0, *, fault: bool = False) -> Refit:
@@ -88,6 +96,60 @@ def test_of_those_that_explain_as_much_the_simplest_is_put_to_work() -> None:
 def test_at_most_three_are_measured_anew() -> None:
     made = in_order([refit(f"n{number}", 50.0 + number, 3) for number in range(6)])
     assert names(near_best(standing(500.0, 2).ended, made)) == ["n0", "n1", "n2"]
+
+
+def test_rivals_are_compared_under_the_error_of_cells_where_the_best_stands(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # What each leaves where its own cells' error is measured, and under that of another.
+    own = {"best": [48.0, 50.0], "close": [70.0], "far": [90.0]}
+    same = {("close", "best"): 49.0, ("far", "best"): 95.0}
+    told: list[str] = []
+
+    def measured(one: Refit, *_: object) -> Refit:
+        return refit(one.name(), own[one.name()].pop(0), 3)
+
+    def on_same_cells(one: Refit, best: Refit) -> Refit:
+        told.append(one.name())
+        return refit(one.name(), same[one.name(), best.name()], 3)
+
+    monkeypatch.setattr(module, "_once_more", measured)
+    monkeypatch.setattr(module, "on_same_cells", on_same_cells)
+    made = [refit("best", 60.0, 3), refit("close", 50.0, 3), refit("far", 80.0, 3)]
+    order = module._measured_anew(standing(300.0, 2), made, silent())
+    assert names(order) == ["close", "best", "far"] and told == ["close", "far"]
+    assert together(order, 1.0, 9.0) == ["close", "best"]
+
+
+@pytest.mark.parametrize(("left", "kept"), [(55.0, 55.0), (75.0, 70.0)])
+def test_a_rival_counts_by_the_less_that_it_leaves(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, left: float, kept: float
+) -> None:
+    there, here = (
+        Bench(box_task(tmp_path), Ready(MESH, STATED, {}, {}, {}, {}), objective(), MESH)
+        for _ in range(2)
+    )
+    limits: list[float] = []
+
+    def on(bench: Bench, squares: float) -> Standing:
+        made = standing(squares, 3, smooth=2.0)
+        return Standing(bench, {}, made.point, (), made.ended, made.allowed)
+
+    def fitted(anew: Standing, *, times: int, rival: float) -> Standing:
+        assert anew.bench is there and times == 0
+        limits.append(rival)
+        return on(there, left)
+
+    monkeypatch.setattr(module, "fitted", fitted)
+    best, one = (
+        replace(refit(name, 60.0, 3), standing=on(bench, squares))
+        for name, bench, squares in (("best", there, 50.0), ("one", here, 70.0))
+    )
+    found = on_same_cells(one, best).standing
+    assert 2 * found.ended.loss() == pytest.approx(kept)
+    assert found.bench is (there if kept == left else here)
+    # Three that it need not have fitted, at a misfit of two, beyond a loss of 25.
+    assert limits == [pytest.approx(25.0 + 6.0)]
 
 
 def test_what_is_left_is_never_less_than_noise() -> None:

@@ -1,6 +1,8 @@
 """Meshing by pytetwild, its gate and its cache."""
 
 import os
+import time
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -208,3 +210,24 @@ def test_a_mesher_that_fails_is_reported(cube, tmp_path, monkeypatch):
     monkeypatch.setattr(module._mesher_child, "__file__", str(child))
     with pytest.raises(InputError, match="no memory left"):
         tetrahedralise(cube, COARSE, cache=tmp_path / "cache")
+
+
+def test_one_entry_is_read_at_a_time(tmp_path, monkeypatch):
+    # Python's parser, which reads headers of arrays, fails at times in two threads at once.
+    made = box_mesh((0.02, 0.02, 0.02), (1, 1, 1))
+    for name in "ab":
+        save_cells(tmp_path / name, made.nodes, made.cells)
+    load, busy, most = np.load, [0], [0]
+
+    def slowly(*given, **how):
+        busy[0] += 1
+        most[0] = max(most[0], busy[0])
+        time.sleep(0.05)
+        archive = load(*given, **how)
+        busy[0] -= 1
+        return archive
+
+    monkeypatch.setattr(np, "load", slowly)
+    with ThreadPoolExecutor(2) as pool:
+        kept = list(pool.map(load_cells, (tmp_path / "a", tmp_path / "b")))
+    assert most == [1] and all(one is not None for one in kept)

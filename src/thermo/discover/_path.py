@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final
 
@@ -11,9 +12,11 @@ from scipy.stats import chi2
 from thermo.discover._bench import FINEST, edge_of, finest, resolved
 from thermo.discover._calibration import Calibration, calibration
 from thermo.discover._candidate import Candidate, Place
+from thermo.discover._entries import Active
 from thermo.discover._pace import Pace
 from thermo.discover._place_doubt import undoubted, with_doubt
 from thermo.discover._projection import projection
+from thermo.discover._replacement import replaced, rivals_of
 from thermo.discover._rounds import (
     effect_of,
     make_round,
@@ -84,6 +87,7 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace) -> SearchPa
     """Put effects to work one after the other until nothing is missing, or nothing explains it."""
     standing, rounds, remarks, quiet = begun, [], [], False
     tables: list[ScoreTable] = []
+    rivals: dict[Active, Sequence[Refit]] = {}
     for number in range(_ROUNDS):
         pace.step(f"scoring all candidates, round {number + 1} of {_ROUNDS} at the most")
         share = 0.5**number
@@ -113,12 +117,16 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace) -> SearchPa
             break
         rounds.append(one)
         before, standing = standing, with_all(made[0], standing)
+        rivals |= rivals_of(made, before)
         standing, rounds = pruned(standing, rounds, table.threshold**2, pace, remarks)
         if one.closed < _WORTH:
             break
         standing, rounds = on_small_cells(standing, rounds, begun, before, pace, remarks)
         pace.step("allowing for what the shapes of places may make wrong")
         standing = with_doubt(standing, begun.allowed)
+        most = table.threshold**2
+        standing, rounds, told = replaced(standing, rounds, rivals, most, pace)
+        remarks += told
     pace.step("fitting what was found once more, and drawing noise alone")
     last = undoubted(standing, begun.allowed)
     word = "no_gap" if quiet else _word(begun, last, rounds, tables[0])

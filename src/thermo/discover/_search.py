@@ -320,6 +320,20 @@ def _once_more(one: Refit, pace: Pace, number: int, count: int) -> Refit:
     return replace(one, standing=fitted(one.standing, times=1))
 
 
+def on_same_cells(one: Refit, best: Refit) -> Refit:
+    """A refit with what cells make wrong where the best one stands, if it leaves less with that.
+
+    Where a place moves within its cells, their error goes up and down, by more than rivals are
+    apart: only under the same error is it known how far these are.
+    """
+    ended = best.standing.ended
+    # What is fitted less may leave more, for the criterion.
+    worst = ended.loss() + ended.fitted() * best.standing.misfit()
+    there = replace(one.standing, bench=best.standing.bench)
+    same = replace(one, standing=fitted(there, times=0, rival=worst))
+    return min(one, same, key=lambda each: each.standing.ended.loss())
+
+
 def _measured_anew(standing: Standing, made: list[Refit], pace: Pace) -> list[Refit]:
     """Those near the best, fitted once more with what cells make wrong where they stand."""
     made = in_order(made)
@@ -327,8 +341,11 @@ def _measured_anew(standing: Standing, made: list[Refit], pace: Pace) -> list[Re
     count = len(near) + 1
     again = in_order([_once_more(one, pace, number, count) for number, one in enumerate(near, 1)])
     again[0] = _once_more(again[0], pace, count, count)
+    best, *rivals = in_order(again)
+    if rivals:
+        pace.step("comparing those near the best under the same error of cells")
     others = [one for one in made if all(one is not other for other in near)]
-    return in_order(again) + others
+    return in_order([best, *(on_same_cells(one, best) for one in rivals)]) + others
 
 
 def with_all(refit: Refit, before: Standing) -> Standing:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import tempfile
+import threading
 import zipfile
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -20,6 +21,10 @@ from ._surface import Surface
 
 FORMAT: Final = "thermofield-mesh/1"
 """Version of this file format and of the code that asks the mesher."""
+
+# NumPy reads a header by Python's own parser, which can fail in two threads at once ("AST
+# constructor recursion depth mismatch", issue 106905 of CPython).
+READING: Final = threading.Lock()
 
 
 def default_cache() -> Path:
@@ -48,7 +53,11 @@ def load_cells(
     """Nodes and cells of an entry, or None where there is none; a damaged one is removed."""
     try:
         # An open stream is closed also where the archive is cut short.
-        with entry.open("rb") as stream, np.load(stream, allow_pickle=False) as kept:
+        with (
+            READING,
+            entry.open("rb") as stream,
+            np.load(stream, allow_pickle=False) as kept,
+        ):
             if str(kept["format"]) != FORMAT:
                 raise ValueError("another format")
             return kept["nodes"], kept["cells"]

@@ -14,7 +14,7 @@ from jaxtyping import Float, Int
 from thermo.errors import InputError
 
 from . import _mesher_child
-from ._cache import content_key, default_cache, load_cells, save_cells
+from ._cache import READING, content_key, default_cache, load_cells, save_cells
 from ._gate import gated_mesh
 from ._mesh import Mesh
 from ._simplify import simplified
@@ -123,5 +123,5 @@ def _run_mesher(
                 limit="a mesh",
                 remedy="repair the surface, or mesh it elsewhere and use mesh_from_cells",
             )
-        with np.load(target, allow_pickle=False) as made:
+        with READING, np.load(target, allow_pickle=False) as made:
             return made["nodes"], made["cells"]

@@ -19,8 +19,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, Shaped
 
-RUN = 16
+RUN, SHORT_RUN = 16, 8
 """The most gathers [1] that are written out one after the other; longer rows loop over runs."""
+
+FEW_NODES = 2000
+"""Unknowns [1] below which compiling is most of the time, and short runs are as fast."""
 
 GATHER_COST = 1000.0
 """Padded entries [1] that are worth one gather less to compile."""
@@ -86,11 +89,11 @@ def find_pairs(
     return np.searchsorted(key, low * count + high).astype(np.int32)
 
 
-def _cut(length: Int[np.ndarray, " nodes"]) -> Int[np.ndarray, " cuts"]:
+def _cut(length: Int[np.ndarray, " nodes"], longest: int) -> Int[np.ndarray, " cuts"]:
     """First rows of the groups: the least padding and the fewest gathers, over all groupings."""
     width, rows = np.unique(-length, return_counts=True)
     width, before = -width, np.concatenate([[0], np.cumsum(rows)])
-    loops, gathers = _in_runs(width)
+    loops, gathers = _in_runs(width, longest)
     width = loops * gathers
     least, origin = np.zeros(len(width) + 1), np.zeros(len(width) + 1, int)
     for end in range(1, len(width) + 1):
@@ -111,13 +114,14 @@ def _block(
     high: int,
     entries: tuple[np.ndarray, np.ndarray, np.ndarray],
     padding: int,
+    longest: int,
 ) -> tuple[Block, Block]:
     """Columns and sources of the rows from `low` to `high`, of entries sorted by row."""
     row, column, edge = entries
     length = np.bincount(row - low, minlength=high - low)
     width = int(length.max(initial=0))
     place = np.arange(len(row)) - (np.cumsum(length) - length)[row - low]
-    (loops,), (run,) = _in_runs(np.array([width]))
+    (loops,), (run,) = _in_runs(np.array([width]), longest)
     numbers = np.tile(np.arange(low, high, dtype=np.int32), (loops * run, 1))
     numbers[place, row - low] = column
     held = np.full((loops * run, high - low), padding, np.int32)
@@ -126,10 +130,10 @@ def _block(
 
 
 def _in_runs(
-    width: Int[np.ndarray, " groups"],
+    width: Int[np.ndarray, " groups"], longest: int
 ) -> tuple[Int[np.ndarray, " groups"], Int[np.ndarray, " groups"]]:
     """Into how many runs rows are cut, and how long these are [1]: evenly, with little padding."""
-    loops = np.maximum(-(-width // RUN), 1)
+    loops = np.maximum(-(-width // longest), 1)
     return loops, -(-width // loops)
 
 
@@ -154,7 +158,9 @@ def make_pattern(
     edge = np.tile(np.arange(edges), 2)[order]
     length = np.bincount(row, minlength=count)
     outside = np.isin(edge, surface_edges)
-    cuts = np.unique(np.concatenate([_cut(length[:inner]), inner + _cut(length[inner:])]))
+    longest = RUN if count > FEW_NODES else SHORT_RUN
+    cuts = [_cut(length[:inner], longest), inner + _cut(length[inner:], longest)]
+    cuts = np.unique(np.concatenate(cuts))
     number = np.full(edges + 1, len(surface_edges))
     number[surface_edges] = np.arange(len(surface_edges))
     bounds, columns, sources, of_surface = [], [], [], []
@@ -164,7 +170,7 @@ def make_pattern(
             part = within & (outside == flag)
             if not part.any() and (flag or high > inner):
                 continue
-            block, held = _block(low, high, (row[part], column[part], edge[part]), edges)
+            block, held = _block(low, high, (row[part], column[part], edge[part]), edges, longest)
             bounds.append((low, high, flag))
             columns.append(block)
             sources.append(held)

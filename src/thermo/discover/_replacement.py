@@ -1,0 +1,77 @@
+"""Whether a rival of an earlier effect does as well beside those that came later."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from thermo.discover._entries import Active
+from thermo.discover._pace import Pace
+from thermo.discover._rounds import effect_of
+from thermo.discover._search import Refit, Standing, fitted, near_best, without
+from thermo.discover._verdict import Round
+
+Rivals = Mapping[Active, Sequence[Refit]]
+"""By what was put to work, the refits of its round that came near it."""
+
+
+def rivals_of(made: Sequence[Refit], before: Standing) -> Rivals:
+    """Effects that came near the first of a round's refits, `before` it was put to work."""
+    near = near_best(before.ended, list(made))
+    others = [one for one in near if one is not made[0] and not one.score.entry.card.fault]
+    return {made[0].standing.active[-1]: others}
+
+
+def replaced(
+    standing: Standing, rounds: list[Round], rivals: Rivals, most: float, pace: Pace
+) -> tuple[Standing, list[Round], list[str]]:
+    """Earlier effects by turns given up for each of their rivals; and what there is to say of it.
+
+    They were told apart while a later effect was still missing, and what that left is no noise. So
+    a rival takes the place of the first where the criterion falls by `most` [1], and stays beside
+    it where it rises by less. Nothing is excluded here that a round had not excluded.
+
+    Source: Miller, Subset Selection in Regression (2002), chapter 3, sequential replacement.
+    """
+    rounds, remarks = list(rounds), []
+    for number in range(len(rounds) - 1):
+        for rival in rivals.get(standing.active[number], ()):
+            if rival.name() in {name for name, _ in standing.active}:
+                continue
+            before, name = rounds[number], rounds[number].effect.card.name
+            pace.step(f"trying {rival.name()} in place of {name}")
+            there, spread = swapped(standing, number, rival, most), standing.misfit()
+            behind = min(
+                there.ended.criterion(spread) - standing.ended.criterion(spread),
+                2 * (there.ended.loss() - standing.ended.loss()) / spread,
+            )
+            if behind < -most:
+                standing = there
+                effect = effect_of(there, there.active[number], spread)
+                others = [one for one in before.together if one not in (name, rival.name())]
+                rounds[number] = replace(before, effect=effect, together=[rival.name(), *others])
+                remarks.append(f"{rival.name()} took the place of {name} beside what came later.")
+            elif behind < most and rival.name() not in before.together:
+                rounds[number] = replace(before, together=[*before.together, rival.name()])
+    return standing, rounds, remarks
+
+
+def swapped(standing: Standing, number: int, rival: Refit, most: float) -> Standing:
+    """The standing with a rival at work in place of an effect, fitted anew [1].
+
+    One that cannot come within `most` of where it stands is not followed to its end.
+    """
+    less = without(standing, number)
+    name, part = rival.standing.active[-1]
+    theirs = {one.card.name: one for one in rival.standing.point.candidates}[name]
+    own = less.point.candidates
+    kept = tuple(theirs if one.card.name == name else one for one in own)
+    if name not in {one.card.name for one in own}:
+        kept = (*kept, theirs)
+    active = tuple(
+        (name, part) if place == number else one for place, one in enumerate(standing.active)
+    )
+    there = replace(less, point=replace(less.point, candidates=kept), active=active)
+    # What was fitted less may leave more, for the criterion.
+    worst = standing.ended.loss() + (most / 2 + standing.ended.fitted()) * standing.misfit()
+    return fitted(there, times=0, rival=worst)
