@@ -3,29 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 import pytest
-from lit_box import MESH, STATED
 from standings import standing
 from verdicts import one_round
 
-from thermo.discover import Card, Place, _replacement
-from thermo.discover._bench import Bench
+from thermo.discover import Card, _replacement
 from thermo.discover._entries import Entry
-from thermo.discover._extended import Extended
 from thermo.discover._pace import Pace
-from thermo.discover._replacement import replaced, rivals_of, swapped
+from thermo.discover._replacement import replaced, rivals_of
 from thermo.discover._scores import Score
 from thermo.discover._search import Refit, Standing
-from thermo.discover.candidates import HeaterPower, HiddenSource, Void
-from thermo.inverse import Ready
-
-from .lit_objective import box_task, objective
 
 FIRST, LATER = ("hidden_source", 0), ("void", 2)
 MOST = 12.0
@@ -65,7 +55,7 @@ def tried(
         return standing(left[rival.name()], 4, active=active)
 
     effect: Any = one_round(["evaporation"], 0.9).effect
-    monkeypatch.setattr(_replacement, "swapped", other)
+    monkeypatch.setattr(_replacement, "in_place_of", other)
     monkeypatch.setattr(_replacement, "effect_of", lambda *_: effect)
     rounds = [one_round(list(names), 0.9) for names in sets]
     here = standing(100.0, 4, active=(FIRST, LATER))
@@ -99,34 +89,3 @@ def test_a_set_loses_only_what_was_replaced(monkeypatch: pytest.MonkeyPatch) -> 
     assert found == [["hidden_source", "heater_power"], ["void"]]
     _, found, _, _ = tried(monkeypatch, {"radiation": 50.0, "void": 0.0}, sets)
     assert found == [["radiation", "heater_power"], ["void"]]
-
-
-@pytest.mark.parametrize("known", [True, False])
-def test_a_rival_is_put_to_work_where_the_effect_was(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, known: bool
-) -> None:
-    seen: list[tuple[Standing, float]] = []
-
-    def fitted(there: Standing, *, times: int, rival: float) -> Standing:
-        assert times == 0
-        seen.append((there, rival))
-        return there
-
-    monkeypatch.setattr(_replacement, "fitted", fitted)
-    place = Place(jnp.zeros((1, 3)), jnp.ones(1))
-    source, void = HiddenSource(jnp.ones(1), place), Void(jnp.asarray([0.3]), place)
-    power = HeaterPower(jnp.zeros(1))
-    point = Extended({}, (source, void, power) if known else (source, void))
-    bench = Bench(box_task(tmp_path), Ready(MESH, STATED, {}, {}, {}, {}), objective(), MESH)
-    made, active = standing(100.0, 4, smooth=2.0), (("hidden_source", 0), ("void", 0))
-    here = Standing(bench, {}, point, active, made.ended, made.allowed)
-    rival = refit("heater_power", 60.0)
-    stands = Extended({}, (replace(power, strength=jnp.asarray([7.0])),))
-    object.__setattr__(rival.standing, "point", stands)
-    swapped(here, 0, rival, MOST)
-    ((there, worst),) = seen
-    now = {one.card.name: float(one.strength[0]) for one in there.point.candidates}
-    assert now == {"hidden_source": 0.0, "void": pytest.approx(0.3), "heater_power": 7.0}
-    assert there.active == (("heater_power", 0), ("void", 0))
-    # The loss is 50; what is fitted less by four may leave that much more, times the misfit.
-    assert worst == pytest.approx(50.0 + 2 * (MOST / 2 + 4))

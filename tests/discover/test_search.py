@@ -6,15 +6,18 @@ from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from lit_box import MESH, STATED
 from standings import VALUES, standing
 
+from thermo.discover import Place
 from thermo.discover import _search as module
 from thermo.discover._bench import Bench
 from thermo.discover._candidate import Card
 from thermo.discover._entries import Entry
+from thermo.discover._extended import Extended
 from thermo.discover._pace import silent
 from thermo.discover._rounds import evidence, share_closed, simplest_first, together
 from thermo.discover._scores import Score, ScoreTable
@@ -23,12 +26,14 @@ from thermo.discover._search import (
     Standing,
     could_reach,
     in_order,
+    in_place_of,
     near_best,
     on_same_cells,
     refits,
     scored,
     worth_a_refit,
 )
+from thermo.discover.candidates import HeaterPower, HiddenSource, Void
 from thermo.inverse import Ready
 
 from .lit_objective import box_task, objective
@@ -103,7 +108,7 @@ def test_rivals_are_compared_under_the_error_of_cells_where_the_best_stands(
 ) -> None:
     # What each leaves where its own cells' error is measured, and under that of another.
     own = {"best": [48.0, 50.0], "close": [70.0], "far": [90.0]}
-    same = {("close", "best"): 49.0, ("far", "best"): 95.0}
+    same = {("close", "best"): 41.0, ("far", "best"): 95.0, ("best", "close"): 48.5}
     told: list[str] = []
 
     def measured(one: Refit, *_: object) -> Refit:
@@ -117,39 +122,25 @@ def test_rivals_are_compared_under_the_error_of_cells_where_the_best_stands(
     monkeypatch.setattr(module, "on_same_cells", on_same_cells)
     made = [refit("best", 60.0, 3), refit("close", 50.0, 3), refit("far", 80.0, 3)]
     order = module._measured_anew(standing(300.0, 2), made, silent())
-    assert names(order) == ["close", "best", "far"] and told == ["close", "far"]
-    assert together(order, 1.0, 9.0) == ["close", "best"]
+    assert names(order) == ["close", "best", "far"] and told == ["close", "far", "best"]
+    # Nine squares ahead, and not quite as many where the best stands on the same cells.
+    assert together(order, 1.0, 8.0) == ["close", "best"]
 
 
 @pytest.mark.parametrize(("left", "kept"), [(55.0, 55.0), (75.0, 70.0)])
 def test_a_rival_counts_by_the_less_that_it_leaves(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, left: float, kept: float
+    monkeypatch: pytest.MonkeyPatch, left: float, kept: float
 ) -> None:
-    there, here = (
-        Bench(box_task(tmp_path), Ready(MESH, STATED, {}, {}, {}, {}), objective(), MESH)
-        for _ in range(2)
-    )
-    limits: list[float] = []
+    best = Refit(refit("best", 50.0, 3).score, standing(50.0, 3, active=(("a", 0), ("best", 1))))
 
-    def on(bench: Bench, squares: float) -> Standing:
-        made = standing(squares, 3, smooth=2.0)
-        return Standing(bench, {}, made.point, (), made.ended, made.allowed)
+    def in_place_of(there: Standing, number: int, rival: Refit, most: float) -> Standing:
+        assert there is best.standing and (number, rival, most) == (1, one, 0.0)
+        return standing(left, 3)
 
-    def fitted(anew: Standing, *, times: int, rival: float) -> Standing:
-        assert anew.bench is there and times == 0
-        limits.append(rival)
-        return on(there, left)
-
-    monkeypatch.setattr(module, "fitted", fitted)
-    best, one = (
-        replace(refit(name, 60.0, 3), standing=on(bench, squares))
-        for name, bench, squares in (("best", there, 50.0), ("one", here, 70.0))
-    )
-    found = on_same_cells(one, best).standing
-    assert 2 * found.ended.loss() == pytest.approx(kept)
-    assert found.bench is (there if kept == left else here)
-    # Three that it need not have fitted, at a misfit of two, beyond a loss of 25.
-    assert limits == [pytest.approx(25.0 + 6.0)]
+    monkeypatch.setattr(module, "in_place_of", in_place_of)
+    one = refit("one", 70.0, 3)
+    found = on_same_cells(one, best)
+    assert found.name() == "one" and 2 * found.standing.ended.loss() == pytest.approx(kept)
 
 
 def test_what_is_left_is_never_less_than_noise() -> None:
@@ -229,3 +220,35 @@ def test_the_search_leaves_what_could_not_reach_the_best(monkeypatch: pytest.Mon
 def test_where_all_there_is_stands_at_work_nothing_is_scored() -> None:
     found = scored(standing(60.0, 2), (), alpha=0.04)
     assert found.scores == [] and found.unseen == [] and found.threshold > 2
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_a_rival_is_put_to_work_where_the_effect_was(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, known: bool
+) -> None:
+    seen: list[tuple[Standing, float]] = []
+
+    def fitted(there: Standing, *, times: int, rival: float) -> Standing:
+        assert times == 0
+        seen.append((there, rival))
+        return there
+
+    monkeypatch.setattr(module, "fitted", fitted)
+    place = Place(jnp.zeros((1, 3)), jnp.ones(1))
+    source, void = HiddenSource(jnp.ones(1), place), Void(jnp.asarray([0.3]), place)
+    power = HeaterPower(jnp.zeros(1))
+    point = Extended({}, (source, void, power) if known else (source, void))
+    bench = Bench(box_task(tmp_path), Ready(MESH, STATED, {}, {}, {}, {}), objective(), MESH)
+    made, active = standing(100.0, 4, smooth=2.0), (("hidden_source", 0), ("void", 0))
+    here = Standing(bench, {}, point, active, made.ended, made.allowed)
+    rival = refit("heater_power", 60.0, 3)
+    object.__setattr__(rival.standing, "active", (("heater_power", 0),))
+    stands = Extended({}, (replace(power, strength=jnp.asarray([7.0])),))
+    object.__setattr__(rival.standing, "point", stands)
+    in_place_of(here, 0, rival, 12.0)
+    ((there, worst),) = seen
+    now = {one.card.name: float(one.strength[0]) for one in there.point.candidates}
+    assert now == {"hidden_source": 0.0, "void": pytest.approx(0.3), "heater_power": 7.0}
+    assert there.active == (("heater_power", 0), ("void", 0))
+    # The loss is 50; what is fitted less by four may leave that much more, times the misfit.
+    assert worst == pytest.approx(50.0 + 2 * (12.0 / 2 + 4))

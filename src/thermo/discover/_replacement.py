@@ -8,7 +8,7 @@ from dataclasses import replace
 from thermo.discover._entries import Active
 from thermo.discover._pace import Pace
 from thermo.discover._rounds import effect_of
-from thermo.discover._search import Refit, Standing, fitted, near_best, without
+from thermo.discover._search import Refit, Standing, in_place_of, near_best
 from thermo.discover._verdict import Round
 
 Rivals = Mapping[Active, Sequence[Refit]]
@@ -40,7 +40,7 @@ def replaced(
                 continue
             before, name = rounds[number], rounds[number].effect.card.name
             pace.step(f"trying {rival.name()} in place of {name}")
-            there, spread = swapped(standing, number, rival, most), standing.misfit()
+            there, spread = in_place_of(standing, number, rival, most), standing.misfit()
             behind = min(
                 there.ended.criterion(spread) - standing.ended.criterion(spread),
                 2 * (there.ended.loss() - standing.ended.loss()) / spread,
@@ -54,24 +54,3 @@ def replaced(
             elif behind < most and rival.name() not in before.together:
                 rounds[number] = replace(before, together=[*before.together, rival.name()])
     return standing, rounds, remarks
-
-
-def swapped(standing: Standing, number: int, rival: Refit, most: float) -> Standing:
-    """The standing with a rival at work in place of an effect, fitted anew [1].
-
-    One that cannot come within `most` of where it stands is not followed to its end.
-    """
-    less = without(standing, number)
-    name, part = rival.standing.active[-1]
-    theirs = {one.card.name: one for one in rival.standing.point.candidates}[name]
-    own = less.point.candidates
-    kept = tuple(theirs if one.card.name == name else one for one in own)
-    if name not in {one.card.name for one in own}:
-        kept = (*kept, theirs)
-    active = tuple(
-        (name, part) if place == number else one for place, one in enumerate(standing.active)
-    )
-    there = replace(less, point=replace(less.point, candidates=kept), active=active)
-    # What was fitted less may leave more, for the criterion.
-    worst = standing.ended.loss() + (most / 2 + standing.ended.fitted()) * standing.misfit()
-    return fitted(there, times=0, rival=worst)

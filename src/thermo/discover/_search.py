@@ -320,17 +320,35 @@ def _once_more(one: Refit, pace: Pace, number: int, count: int) -> Refit:
     return replace(one, standing=fitted(one.standing, times=1))
 
 
+def in_place_of(standing: Standing, number: int, rival: Refit, most: float) -> Standing:
+    """The standing with a rival at work in place of an effect, fitted anew [1].
+
+    One that cannot come within `most` in squares [1] of where it stands is not followed to its end.
+    """
+    less = without(standing, number)
+    name, part = rival.standing.active[-1]
+    theirs = next(one for one in rival.standing.point.candidates if one.card.name == name)
+    own = less.point.candidates
+    kept = tuple(theirs if one.card.name == name else one for one in own)
+    if name not in {one.card.name for one in own}:
+        kept = (*kept, theirs)
+    active = tuple(
+        (name, part) if place == number else one for place, one in enumerate(standing.active)
+    )
+    there = replace(less, point=replace(less.point, candidates=kept), active=active)
+    # What was fitted less may leave more, for the criterion.
+    worst = standing.ended.loss() + (most / 2 + standing.ended.fitted()) * standing.misfit()
+    return fitted(there, times=0, rival=worst)
+
+
 def on_same_cells(one: Refit, best: Refit) -> Refit:
     """A refit with what cells make wrong where the best one stands, if it leaves less with that.
 
-    Where a place moves within its cells, their error goes up and down, by more than rivals are
-    apart: only under the same error is it known how far these are.
+    Where a place moves within its cells, their error goes up and down by more than rivals are
+    apart: only under the same error, and from the same places, is it known how far these are.
     """
-    ended = best.standing.ended
-    # What is fitted less may leave more, for the criterion.
-    worst = ended.loss() + ended.fitted() * best.standing.misfit()
-    there = replace(one.standing, bench=best.standing.bench)
-    same = replace(one, standing=fitted(there, times=0, rival=worst))
+    number = len(best.standing.active) - 1
+    same = replace(one, standing=in_place_of(best.standing, number, one, most=0.0))
     return min(one, same, key=lambda each: each.standing.ended.loss())
 
 
@@ -344,8 +362,11 @@ def _measured_anew(standing: Standing, made: list[Refit], pace: Pace) -> list[Re
     best, *rivals = in_order(again)
     if rivals:
         pace.step("comparing those near the best under the same error of cells")
+        first, *rivals = in_order([best, *(on_same_cells(one, best) for one in rivals)])
+        # One that has passed the best is met by it there once more.
+        again = [first, *(on_same_cells(one, first) if one is best else one for one in rivals)]
     others = [one for one in made if all(one is not other for other in near)]
-    return in_order([best, *(on_same_cells(one, best) for one in rivals)]) + others
+    return in_order(again) + others
 
 
 def with_all(refit: Refit, before: Standing) -> Standing:
