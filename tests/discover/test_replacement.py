@@ -45,6 +45,7 @@ def tried(
     monkeypatch: pytest.MonkeyPatch,
     left: Mapping[str, float],
     sets: Sequence[Sequence[str]] = (("hidden_source",), ("void",)),
+    free: int = 4,
 ) -> tuple[Standing, list[list[str]], list[str], list[str]]:
     """Where 100 squares are left by hidden_source and void, and so many by rivals of the first."""
     told: list[str] = []
@@ -52,7 +53,7 @@ def tried(
     def other(_: Standing, number: int, rival: Refit, most: float) -> Standing:
         assert number == 0 and most == MOST
         active = (rival.standing.active[-1], LATER)
-        return standing(left[rival.name()], 4, active=active)
+        return standing(left[rival.name()], free, active=active)
 
     effect: Any = one_round(["evaporation"], 0.9).effect
     monkeypatch.setattr(_replacement, "in_place_of", other)
@@ -81,6 +82,16 @@ def test_a_rival_takes_the_place_stays_beside_or_is_left(
     assert remarks == (
         ["radiation took the place of hidden_source beside what came later."] if took else []
     )
+
+
+def test_more_that_is_free_is_paid_for_to_take_a_place_not_to_stay(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # Twenty squares less with six entries more: eight by the criterion.
+    _, sets, _, _ = tried(monkeypatch, {"radiation": 80.0}, free=10)
+    assert sets[0] == ["hidden_source", "radiation"]
+    _, sets, _, _ = tried(monkeypatch, {"radiation": 110.0}, free=10)
+    assert sets[0] == ["hidden_source", "radiation"]
 
 
 def test_a_set_loses_only_what_was_replaced(monkeypatch: pytest.MonkeyPatch) -> None:

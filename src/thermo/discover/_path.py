@@ -126,7 +126,9 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace) -> SearchPa
         standing = with_doubt(standing, begun.allowed)
         most = table.threshold**2
         standing, rounds, told = replaced(standing, rounds, rivals, most, pace)
-        remarks += told
+        if told:
+            remarks += told
+            standing = with_doubt(standing, begun.allowed)
     pace.step("fitting what was found once more, and drawing noise alone")
     last = undoubted(standing, begun.allowed)
     word = "no_gap" if quiet else _word(begun, last, rounds, tables[0])

@@ -41,16 +41,14 @@ def replaced(
             before, name = rounds[number], rounds[number].effect.card.name
             pace.step(f"trying {rival.name()} in place of {name}")
             there, spread = in_place_of(standing, number, rival, most), standing.misfit()
-            behind = min(
-                there.ended.criterion(spread) - standing.ended.criterion(spread),
-                2 * (there.ended.loss() - standing.ended.loss()) / spread,
-            )
+            behind = there.ended.criterion(spread) - standing.ended.criterion(spread)
+            lacks = 2 * (there.ended.loss() - standing.ended.loss()) / spread
             if behind < -most:
                 standing = there
                 effect = effect_of(there, there.active[number], spread)
                 others = [one for one in before.together if one not in (name, rival.name())]
                 rounds[number] = replace(before, effect=effect, together=[rival.name(), *others])
                 remarks.append(f"{rival.name()} took the place of {name} beside what came later.")
-            elif behind < most and rival.name() not in before.together:
+            elif min(behind, lacks) < most and rival.name() not in before.together:
                 rounds[number] = replace(before, together=[*before.together, rival.name()])
     return standing, rounds, remarks
