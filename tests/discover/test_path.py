@@ -43,11 +43,15 @@ def searched(
     *,
     place: bool = False,
     slight: bool = False,
+    told: Sequence[str] = (),
+    doubted: list[Standing] | None = None,
 ) -> SearchPath:
     """A search whose standings leave so much, with so many alarms by scores.
 
-    Where the first one is `slight`, it is checked on the second of the standings.
+    Where the first one is `slight`, it is checked on the second of the standings. Rivals are `told`
+    to take places; what is `doubted` is told as well.
     """
+    doubts = [] if doubted is None else doubted
     standings = [standing(told + 50.0, 2, smooth=told) for told in left]
     table = ScoreTable([], [], 3.4, np.zeros((0, 0)), np.zeros((0, 0)))
     raised = iter([True] * alarms + [False] * 9)
@@ -64,9 +68,13 @@ def searched(
         "_out_of_reach": lambda *_: False,
         "placed": lambda made: place and made is not standings[0],
         "on_small_cells": lambda made, rounds, *_: (made, rounds),
-        "with_doubt": lambda made, _: made,
-        "rivals_of": lambda *_: {},
-        "replaced": lambda made, rounds, *_: (made, rounds, []),
+        "with_doubt": lambda made, _: doubts.append(made) or made,
+        "rivals_of": lambda *_: {("one", 0): []},
+        "replaced": lambda made, rounds, rivals, most, _: (
+            made,
+            rounds,
+            list(told) if rivals and most == table.threshold**2 else [],
+        ),
         "undoubted": lambda made, _: made,
         "with_joint_effects": lambda rounds, *_: rounds,
         "calibrated": lambda *_: Calibration(np.ones(9), 0.04, 0.01, 0.05),
@@ -88,6 +96,16 @@ def test_an_effect_that_may_be_nothing_is_not_named_where_nothing_else_is_left(
 def test_one_that_cannot_be_nothing_is(monkeypatch: pytest.MonkeyPatch) -> None:
     path = searched(monkeypatch, [1.5, 1.0], [found(0.1, 0.5, 0.9)], alarms=1)
     assert path.word == "named" and len(path.rounds) == 1 and path.remarks == []
+
+
+@pytest.mark.parametrize("told", [[], ["one took the place of another"]])
+def test_a_rival_that_took_a_place_is_told_and_its_shape_is_doubted(
+    monkeypatch: pytest.MonkeyPatch, told: list[str]
+) -> None:
+    doubted: list[Standing] = []
+    made = [found(0.1, 0.5, 0.9)]
+    path = searched(monkeypatch, [1.5, 1.0], made, alarms=1, told=told, doubted=doubted)
+    assert path.remarks == told and len(doubted) == 1 + len(told)
 
 
 def test_a_gap_in_smooth_shapes_is_not_argued_away(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,6 +3,7 @@
 import os
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -219,13 +220,15 @@ def test_one_entry_is_read_at_a_time(tmp_path, monkeypatch):
         save_cells(tmp_path / name, made.nodes, made.cells)
     load, busy, most = np.load, [0], [0]
 
+    @contextmanager
     def slowly(*given, **how):
-        busy[0] += 1
-        most[0] = max(most[0], busy[0])
-        time.sleep(0.05)
-        archive = load(*given, **how)
-        busy[0] -= 1
-        return archive
+        # Headers are read as arrays are taken, not as the archive is opened.
+        with load(*given, **how) as archive:
+            busy[0] += 1
+            most[0] = max(most[0], busy[0])
+            time.sleep(0.05)
+            yield archive
+            busy[0] -= 1
 
     monkeypatch.setattr(np, "load", slowly)
     with ThreadPoolExecutor(2) as pool:

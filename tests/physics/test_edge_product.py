@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from thermo.mesh import ball_mesh, promote
-from thermo.physics import Discretisation, discretise
+from thermo.physics import Discretisation, _pattern, discretise
 from thermo.physics._edge_product import difference_product, edge_product
 from thermo.physics._pattern import expand
 
@@ -46,6 +46,20 @@ def test_products_are_those_of_the_dense_matrix(space: Discretisation) -> None:
     np.testing.assert_allclose(by_rows, product, rtol=0, atol=1e-13)
     by_rows = difference_product(space.pattern, edges, vector, rows)
     np.testing.assert_allclose(by_rows, difference, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize(("few", "longest"), [(0, _pattern.RUN), (10**6, _pattern.SHORT_RUN)])
+def test_rows_are_cut_in_shorter_runs_where_nodes_are_few(
+    monkeypatch: pytest.MonkeyPatch, few: int, longest: int
+) -> None:
+    monkeypatch.setattr(_pattern, "FEW_NODES", few)
+    space = discretise(promote(ball_mesh(0.02, 3)))
+    runs = [block.shape[1] for block in space.pattern.columns]
+    assert longest / 2 < max(runs) <= longest
+    diagonal, edges, vector = draw(space)
+    product = edge_product(space.pattern, diagonal, edges, vector)
+    wanted = dense(space, np.asarray(diagonal), np.asarray(edges)) @ np.asarray(vector)
+    np.testing.assert_allclose(product, wanted, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("padded", [False, True])

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from thermo.discover._entries import Active
 from thermo.discover._pace import Pace
-from thermo.discover._rounds import effect_of
+from thermo.discover._rounds import behind, effect_of
 from thermo.discover._search import Refit, Standing, in_place_of, near_best
 from thermo.discover._verdict import Round
 
@@ -41,14 +41,13 @@ def replaced(
             before, name = rounds[number], rounds[number].effect.card.name
             pace.step(f"trying {rival.name()} in place of {name}")
             there, spread = in_place_of(standing, number, rival, most), standing.misfit()
-            behind = there.ended.criterion(spread) - standing.ended.criterion(spread)
-            lacks = 2 * (there.ended.loss() - standing.ended.loss()) / spread
-            if behind < -most:
+            by_criterion, by_loss = behind(there.ended, standing.ended, spread)
+            if by_criterion < -most:
                 standing = there
                 effect = effect_of(there, there.active[number], spread)
                 others = [one for one in before.together if one not in (name, rival.name())]
                 rounds[number] = replace(before, effect=effect, together=[rival.name(), *others])
                 remarks.append(f"{rival.name()} took the place of {name} beside what came later.")
-            elif min(behind, lacks) < most and rival.name() not in before.together:
+            elif min(by_criterion, by_loss) < most and rival.name() not in before.together:
                 rounds[number] = replace(before, together=[*before.together, rival.name()])
     return standing, rounds, remarks

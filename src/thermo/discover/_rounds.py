@@ -53,15 +53,18 @@ def make_round(before: Standing, made: list[Refit], table: ScoreTable) -> Round:
 def together(made: list[Refit], spread: float, most: float) -> list[str]:
     """Names of refits that the first does not exclude, by `most` in squares over `spread` [1]."""
     first = made[0].standing.ended
-    behind = [
-        (
-            one.name(),
-            one.standing.ended.criterion(spread) - first.criterion(spread),
-            2 * (one.standing.ended.loss() - first.loss()) / spread,
-        )
-        for one in made
-    ]
-    return [name for name, *each in behind if min(each) < most]
+    return [one.name() for one in made if min(behind(one.standing.ended, first, spread)) < most]
+
+
+def behind(one: Ended, first: Ended, spread: float) -> tuple[float, float]:
+    """By how much a fit is behind the first, by Akaike's criterion and by what it leaves alone.
+
+    Both in squares over the variance `spread` of what counts as noise [1].
+    """
+    return (
+        one.criterion(spread) - first.criterion(spread),
+        2 * (one.loss() - first.loss()) / spread,
+    )
 
 
 def simplest_first(made: list[Refit], most: float) -> list[Refit]:
