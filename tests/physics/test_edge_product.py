@@ -62,6 +62,20 @@ def test_rows_are_cut_in_shorter_runs_where_nodes_are_few(
     np.testing.assert_allclose(product, wanted, rtol=0, atol=1e-12)
 
 
+def test_fewer_groups_and_more_padding_where_nodes_are_not_many(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    mesh = promote(ball_mesh(0.02, 6))
+    here = discretise(mesh).pattern
+    monkeypatch.setattr(_pattern, "MANY_NODES", 0)
+    there = discretise(mesh).pattern
+    gathers, entries = zip(
+        *((sum(b.shape[1] for b in one.columns), sum(b.size for b in one.columns))
+          for one in (here, there)), strict=True,
+    )  # fmt: skip
+    assert gathers[0] < gathers[1] and entries[0] > entries[1]
+
+
 @pytest.mark.parametrize("padded", [False, True])
 @pytest.mark.parametrize("differences", [False, True])
 def test_transposes_and_tangents(space: Discretisation, differences: bool, padded: bool) -> None:

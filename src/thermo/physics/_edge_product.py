@@ -19,6 +19,7 @@ from jax.interpreters import ad, batching, mlir
 from jaxtyping import Array, Float
 
 from thermo.physics._diagonal_product import diagonal_product
+from thermo.physics._gather_sum import pick
 from thermo.physics._pattern import Pattern, Rows, row_product
 
 
@@ -84,9 +85,11 @@ def _transpose(given: Any, edges: Any, vector: Any, *leaves: Any, shape: Any, **
     first, second = parts[0].first, parts[0].second
     vector = vector if vector.ndim == given.ndim else vector[:, None]
     if how["differences"]:
-        back = (vector[second] - vector[first]) * (given[first] - given[second])
+        back = (pick(vector, second) - pick(vector, first)) * (
+            pick(given, first) - pick(given, second)
+        )
     else:
-        back = vector[second] * given[first] + vector[first] * given[second]
+        back = pick(vector, second) * pick(given, first) + pick(vector, first) * pick(given, second)
     return [back if edges.aval.ndim == back.ndim else back.sum(-1), None, *nothing]
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from jax.core import ShapedArray
 from jax.extend.core import Primitive
 from jax.interpreters import ad, batching, mlir
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Float, Int, Shaped
 
 
 @final
@@ -54,11 +54,18 @@ def gather_to(target: Int[np.ndarray, " values"], count: int, spare: int) -> Gat
     return GatherSum(groups, back[None])
 
 
+def pick(
+    values: Shaped[Array, "values *batch"], places: Int[Array | np.ndarray, "*some"]
+) -> Shaped[Array, "*some *batch"]:
+    """Values at places that are all there and not negative, which nothing then checks [1]."""
+    return values.at[places].get(mode="promise_in_bounds", wrap_negative_indices=False)
+
+
 def _apply(values: Array, groups: Array, back: Array) -> Array:
     del back
-    total = values[groups[0]]
+    total = pick(values, groups[0])
     for member in groups[1:]:
-        total = total + values[member]
+        total = total + pick(values, member)
     return total
 
 

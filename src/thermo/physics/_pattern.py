@@ -19,14 +19,19 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, Shaped
 
+from thermo.physics._gather_sum import pick
+
 RUN, SHORT_RUN = 16, 8
 """The most gathers [1] that are written out one after the other; longer rows loop over runs."""
 
 FEW_NODES = 2000
 """Unknowns [1] below which compiling is most of the time, and short runs are as fast."""
 
-GATHER_COST = 1000.0
-"""Padded entries [1] that are worth one gather less to compile."""
+MANY_NODES = 10_000
+"""Unknowns [1] from which runs take long enough for padding to be felt."""
+
+GATHER_COST, DEAR_GATHER_COST = 2000.0, 4000.0
+"""Padded entries [1] that are worth one gather less to compile: of many unknowns, and of fewer."""
 
 Block = Shaped[Array | np.ndarray, "_loops _run _rows"]
 """Numbers of equally long rows, one column of the block after the other, in runs."""
@@ -89,7 +94,9 @@ def find_pairs(
     return np.searchsorted(key, low * count + high).astype(np.int32)
 
 
-def _cut(length: Int[np.ndarray, " nodes"], longest: int) -> Int[np.ndarray, " cuts"]:
+def _cut(
+    length: Int[np.ndarray, " nodes"], longest: int, gather_cost: float
+) -> Int[np.ndarray, " cuts"]:
     """First rows of the groups: the least padding and the fewest gathers, over all groupings."""
     width, rows = np.unique(-length, return_counts=True)
     width, before = -width, np.concatenate([[0], np.cumsum(rows)])
@@ -98,9 +105,8 @@ def _cut(length: Int[np.ndarray, " nodes"], longest: int) -> Int[np.ndarray, " c
     least, origin = np.zeros(len(width) + 1), np.zeros(len(width) + 1, int)
     for end in range(1, len(width) + 1):
         # A group is as wide as its first row.
-        cost = (
-            least[:end] + width[:end] * (before[end] - before[:end]) + GATHER_COST * gathers[:end]
-        )
+        entries = width[:end] * (before[end] - before[:end])
+        cost = least[:end] + entries + gather_cost * gathers[:end]
         origin[end] = int(np.argmin(cost))
         least[end] = cost[origin[end]]
     cuts = [len(width)]
@@ -159,7 +165,8 @@ def make_pattern(
     length = np.bincount(row, minlength=count)
     outside = np.isin(edge, surface_edges)
     longest = RUN if count > FEW_NODES else SHORT_RUN
-    cuts = [_cut(length[:inner], longest), inner + _cut(length[inner:], longest)]
+    cost = GATHER_COST if count > MANY_NODES else DEAR_GATHER_COST
+    cuts = [_cut(length[:inner], longest, cost), inner + _cut(length[inner:], longest, cost)]
     cuts = np.unique(np.concatenate(cuts))
     number = np.full(edges + 1, len(surface_edges))
     number[surface_edges] = np.arange(len(surface_edges))
@@ -212,7 +219,7 @@ def _padded(values: Float[Array, "values *batch"]) -> Float[Array, "more *batch"
 def expand(pattern: Pattern, edges: Float[Array, " edges"]) -> Rows:
     """Padded rows of a matrix from its edge values (same unit)."""
     values = _padded(edges)
-    return tuple(values[place] for place in pattern.source)
+    return tuple(pick(values, place) for place in pattern.source)
 
 
 def add_surface(pattern: Pattern, rows: Rows, extra: Float[Array, " surface_edges"]) -> Rows:
@@ -220,7 +227,7 @@ def add_surface(pattern: Pattern, rows: Rows, extra: Float[Array, " surface_edge
     values = _padded(extra)
     changed, sources = [], iter(pattern.surface_source)
     for block, (_, _, flag) in zip(rows, pattern.bounds, strict=True):
-        changed.append(block + values[next(sources)] if flag else block)
+        changed.append(block + pick(values, next(sources)) if flag else block)
     return tuple(changed)
 
 
@@ -228,7 +235,7 @@ def scale_rows(pattern: Pattern, rows: Rows, factor: Float[Array, " nodes"]) -> 
     """Padded rows with each entry times the factors [1] of its row and of its column."""
     changed = []
     for (low, high, _), columns, block in zip(pattern.bounds, pattern.columns, rows, strict=True):
-        changed.append(block * factor[low:high] * factor[columns])
+        changed.append(block * factor[low:high] * pick(factor, columns))
     return tuple(changed)
 
 
@@ -256,8 +263,9 @@ def row_product(
 
         def add(total: Array, run: tuple[Array, Array], own: Array = own) -> tuple[Array, None]:
             for held, column in zip(*run, strict=True):
-                entry = held.reshape(-1, *ones) if lookup is None else lookup[held]
-                other = vector[column] - own if differences else vector[column]
+                entry = held.reshape(-1, *ones) if lookup is None else pick(lookup, held)
+                other = pick(vector, column)
+                other = other - own if differences else other
                 total = total + entry * other.astype(entry.dtype)
             return total, None
 
