@@ -31,10 +31,9 @@ lint: $(STAMP)
 test: lint
 	$(BIN)/python -m pytest -q -n 2 --dist loadfile --durations=30
 
-# Without mesh.corrected, which takes a minute and a half more on a fresh machine.
 demo: $(STAMP)
 	$(BIN)/thermo invert data=examples/bracket 'unknown=[conductivity]' field=two_materials \
-		optimiser=lm mesh.corrected=false out=$(DEMO)/invert
+		optimiser=lm out=$(DEMO)/invert
 	$(BIN)/thermo predict data=examples/bracket estimate=$(DEMO)/invert 'runs=[test_heating]' out=$(DEMO)/predict
 	@echo "Pictures:"
 	@find $(DEMO)/invert $(DEMO)/predict -name '*.png' | sort | sed 's/^/  /'
