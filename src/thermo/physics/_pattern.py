@@ -27,11 +27,11 @@ RUN, SHORT_RUN = 16, 8
 FEW_NODES = 2000
 """Unknowns [1] below which compiling is most of the time, and short runs are as fast."""
 
-MANY_NODES = 10_000
-"""Unknowns [1] from which runs take long enough for padding to be felt."""
-
 GATHER_COST, DEAR_GATHER_COST = 2000.0, 4000.0
-"""Padded entries [1] that are worth one gather less to compile: of many unknowns, and of fewer."""
+"""Padded entries [1] that are worth one gather less to compile, the latter where nodes are few.
+
+At 2000 a run takes as long as at 1000, at 4000 up to a third longer (`benchmarks/compiling.py`).
+"""
 
 Block = Shaped[Array | np.ndarray, "_loops _run _rows"]
 """Numbers of equally long rows, one column of the block after the other, in runs."""
@@ -164,8 +164,8 @@ def make_pattern(
     edge = np.tile(np.arange(edges), 2)[order]
     length = np.bincount(row, minlength=count)
     outside = np.isin(edge, surface_edges)
-    longest = RUN if count > FEW_NODES else SHORT_RUN
-    cost = GATHER_COST if count > MANY_NODES else DEAR_GATHER_COST
+    few = count <= FEW_NODES
+    longest, cost = (SHORT_RUN, DEAR_GATHER_COST) if few else (RUN, GATHER_COST)
     cuts = [_cut(length[:inner], longest, cost), inner + _cut(length[inner:], longest, cost)]
     cuts = np.unique(np.concatenate(cuts))
     number = np.full(edges + 1, len(surface_edges))
