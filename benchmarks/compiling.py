@@ -91,7 +91,7 @@ def main() -> None:
     lines = []
     print(*COLUMNS)
     for cost in COSTS:
-        pattern.GATHER_COST = pattern.DEAR_GATHER_COST = cost
+        pattern.GATHER_COST = cost
         for name, rows, function, given in programs():
             gathers = sum(block.shape[1] for block in rows.columns)
             entries = sum(block.size for block in rows.columns)

@@ -10,9 +10,8 @@ it. The cooling run is fitted, `next_runs` ranks the twenty by slopes at what ca
 each is made and fitted together with the cooling run, over a few draws of noise (12 sensors, 30
 frames, 0.1 K, each sensor off by 0.1 K, 20 quiet frames). All recordings come from another program
 (quadratic functions on another mesh, TR-BDF2, benchmarks/hidden); the fits are corrected for their
-cells and steps. The fits are SciPy's, whose trust region does not follow the least known direction
-to where nothing changes any more; a fit that ends with more misfit than the truth has not found its
-minimum, and is counted as `lost`.
+cells and steps. The fits are SciPy's; one that ends with more misfit than the truth has not found
+its minimum, and is counted as `lost`.
 
 The error of a run is the root mean square over unknowns and draws of the error of log(value); a
 trial is won where that of the run that was `picked` is below the `median` of the twenty. `weak` is

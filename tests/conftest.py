@@ -13,8 +13,7 @@ import matplotlib
 def keep_to_one_core() -> None:
     """Give a worker beside others a core of its own, where the system can.
 
-    Kernels are cut in a part a core and wait for the last part: of two such programs at once each
-    takes about twice as long as on one core.
+    Kernels are cut in a part a core and wait for the last part, which a neighbour holds up.
     """
     worker = os.environ.get("PYTEST_XDIST_WORKER", "")
     if worker and hasattr(os, "sched_setaffinity"):

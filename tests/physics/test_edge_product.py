@@ -62,15 +62,13 @@ def test_rows_are_cut_in_shorter_runs_where_nodes_are_few(
     np.testing.assert_allclose(product, wanted, rtol=0, atol=1e-12)
 
 
-def test_fewer_groups_and_more_padding_where_nodes_are_few(
+def test_a_dear_gather_makes_fewer_of_them_and_more_padding(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(_pattern, "SHORT_RUN", _pattern.RUN)
     mesh = promote(ball_mesh(0.02, 6))
-    monkeypatch.setattr(_pattern, "FEW_NODES", 10**6)
-    here = discretise(mesh).pattern
-    monkeypatch.setattr(_pattern, "FEW_NODES", 0)
     there = discretise(mesh).pattern
+    monkeypatch.setattr(_pattern, "GATHER_COST", 2 * _pattern.GATHER_COST)
+    here = discretise(mesh).pattern
     gathers, entries = zip(
         *((sum(b.shape[1] for b in one.columns), sum(b.size for b in one.columns))
           for one in (here, there)), strict=True,

@@ -27,8 +27,8 @@ RUN, SHORT_RUN = 16, 8
 FEW_NODES = 2000
 """Unknowns [1] below which compiling is most of the time, and short runs are as fast."""
 
-GATHER_COST, DEAR_GATHER_COST = 2000.0, 4000.0
-"""Padded entries [1] that are worth one gather less to compile, the latter where nodes are few.
+GATHER_COST = 2000.0
+"""Padded entries [1] that are worth one gather less to compile.
 
 At 2000 a run takes as long as at 1000, at 4000 up to a third longer (`benchmarks/compiling.py`).
 """
@@ -94,9 +94,7 @@ def find_pairs(
     return np.searchsorted(key, low * count + high).astype(np.int32)
 
 
-def _cut(
-    length: Int[np.ndarray, " nodes"], longest: int, gather_cost: float
-) -> Int[np.ndarray, " cuts"]:
+def _cut(length: Int[np.ndarray, " nodes"], longest: int) -> Int[np.ndarray, " cuts"]:
     """First rows of the groups: the least padding and the fewest gathers, over all groupings."""
     width, rows = np.unique(-length, return_counts=True)
     width, before = -width, np.concatenate([[0], np.cumsum(rows)])
@@ -106,7 +104,7 @@ def _cut(
     for end in range(1, len(width) + 1):
         # A group is as wide as its first row.
         entries = width[:end] * (before[end] - before[:end])
-        cost = least[:end] + entries + gather_cost * gathers[:end]
+        cost = least[:end] + entries + GATHER_COST * gathers[:end]
         origin[end] = int(np.argmin(cost))
         least[end] = cost[origin[end]]
     cuts = [len(width)]
@@ -164,9 +162,8 @@ def make_pattern(
     edge = np.tile(np.arange(edges), 2)[order]
     length = np.bincount(row, minlength=count)
     outside = np.isin(edge, surface_edges)
-    few = count <= FEW_NODES
-    longest, cost = (SHORT_RUN, DEAR_GATHER_COST) if few else (RUN, GATHER_COST)
-    cuts = [_cut(length[:inner], longest, cost), inner + _cut(length[inner:], longest, cost)]
+    longest = RUN if count > FEW_NODES else SHORT_RUN
+    cuts = [_cut(length[:inner], longest), inner + _cut(length[inner:], longest)]
     cuts = np.unique(np.concatenate(cuts))
     number = np.full(edges + 1, len(surface_edges))
     number[surface_edges] = np.arange(len(surface_edges))
