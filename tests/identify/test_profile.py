@@ -85,6 +85,40 @@ def test_what_another_makes_up_for_is_flat() -> None:
     assert found.rises.max() < 1e-6
 
 
+@pytest.mark.parametrize("far", [5e2, 5e4, 5e7])
+def test_one_that_hardly_matters_and_is_far_off_does_not_hold_up_the_others(far: float) -> None:
+    # Uncut, the step of the second is `far`; cut as a whole it would leave the first where it is.
+    model = of(lambda u: 50 * (u[0] - 1), lambda u: 5 / far * (u[1] - far))
+    found = profile(model, np.zeros(2), 0, bounds=np.array([[-5.0, 5.0], [-20.0, 20.0]]))
+    half = np.sqrt(LEVEL) / 50
+    assert found.best[0] == pytest.approx(1.0, abs=1e-3 * half) and found.kind == "bounded"
+    assert (found.lower, found.upper) == (pytest.approx(1 - half), pytest.approx(1 + half))
+
+
+def test_a_plateau_is_left_by_what_values_promise_not_their_logarithms() -> None:
+    # At e^-12 nothing of e^u is felt; the data want e^u = 3.
+    model = of(lambda u: 40 * (np.exp(u[0]) - 3), lambda u: 2 * u[1])
+    found = profile(model, np.array([-12.0, 0.5]), 1, bounds=box(20.0, 20.0))
+    assert found.kind == "bounded" and found.best == pytest.approx([np.log(3), 0.0], abs=1e-3)
+
+
+def test_a_bent_valley_is_followed_to_its_end() -> None:
+    # Rosenbrock's, 25 times as narrow as it is long.
+    model = of(lambda u: 100 * (u[1] - u[0] ** 2), lambda u: 4 * (u[0] - 1))
+    found = profile(model, np.array([-1.2, 1.0]), 0)
+    assert found.kind == "bounded" and found.best == pytest.approx([1.0, 1.0], abs=0.01)
+    half = np.sqrt(LEVEL) / 4
+    assert (found.lower, found.upper) == (pytest.approx(1 - half), pytest.approx(1 + half))
+
+
+def test_where_nothing_is_told_within_the_bounds_the_best_on_one_of_them_is_chance() -> None:
+    found = profile(
+        of(lambda u: 0.3 * (u[0] - 4), lambda u: u[1]), np.zeros(2), 0, bounds=box(1.0, 1.0)
+    )
+    assert found.best[0] == 1.0 and found.rises.max() < LEVEL
+    assert found.kind == "flat"
+
+
 def test_bounds_may_be_a_list_and_what_is_no_pair_each_is_refused() -> None:
     model = of(lambda u: u[0] - 1, lambda u: u[1] - 3)
     found = profile(model, np.array([0.0, 0.3]), 0, bounds=[[-5, 1], [-2, 2]])

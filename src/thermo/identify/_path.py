@@ -9,6 +9,8 @@ from typing import Final, final
 import numpy as np
 from jaxtyping import Float
 
+from thermo.identify._boxed_step import UNSEEN, boxed_step
+
 Model = Callable[
     [Float[np.ndarray, " unknowns"]],
     tuple[Float[np.ndarray, " values"], Float[np.ndarray, "values unknowns"]],
@@ -36,9 +38,8 @@ UNSETTLED: Final = 0.05
 FALL: Final = 0.1
 """Fall of chi squared along a path [1] from which it has more than one valley."""
 
-# Singular values of unit columns below this share of the largest are of directions that slopes
-# of a usual accuracy do not show [1].
-_UNSEEN: Final = 1e-6
+# A longer step up [1] than any value can make.
+_LONG: Final = 50.0
 _ITERATIONS: Final = 25
 _HALVINGS: Final = 8
 
@@ -98,29 +99,20 @@ def _least(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """The least-squares solution that leaves directions alone that the columns hardly show."""
     length = np.linalg.norm(matrix, axis=0)
     length = np.where(length > 0, length, 1.0)
-    return np.linalg.lstsq(matrix / length, right, rcond=_UNSEEN)[0] / length
+    return np.linalg.lstsq(matrix / length, right, rcond=UNSEEN)[0] / length
 
 
-def _step(
-    unknowns: Float[np.ndarray, " unknowns"],
-    residual: Float[np.ndarray, " values"],
-    jacobian: Float[np.ndarray, "values unknowns"],
-    bounds: Float[np.ndarray, "unknowns 2"],
-    held: int | None,
-) -> Float[np.ndarray, " unknowns"]:
-    """A Gauss-Newton step [1] of those that neither are held nor stand at a bound they press on."""
-    low, high = bounds.T
-    free = np.arange(len(unknowns)) != held
-    while True:
-        step = np.zeros(len(unknowns))
-        step[free] = -_least(jacobian[:, free], residual)
-        stuck = ((unknowns <= low) & (step < 0)) | ((unknowns >= high) & (step > 0))
-        if not stuck.any():
-            break
-        free &= ~stuck
-    # A step of more than a factor e leaves what the slopes know.
-    step *= min(1.0, LONGEST / max(float(np.abs(step).max()), LONGEST))
-    return np.clip(unknowns + step, low, high) - unknowns
+def _promise(
+    point: tuple[Float[np.ndarray, " values"], Float[np.ndarray, "values unknowns"]],
+    room: Float[np.ndarray, "unknowns 2"],
+) -> float:
+    """What the slopes promise to take off chi squared within the bounds [1].
+
+    The unknowns are logarithms, and a residual is straight in some of them and in the values of
+    others: in a value that is all but gone a step up is long. The longer room counts.
+    """
+    longer = np.stack([room[:, 0], np.expm1(np.minimum(room[:, 1], _LONG))], axis=1)
+    return boxed_step(*point, longer)[1]
 
 
 def settle(
@@ -129,26 +121,34 @@ def settle(
     bounds: Float[np.ndarray, "unknowns 2"],
     held: int | None = None,
 ) -> Point:
-    """Where Gauss-Newton steps, halved until they help, take the unknowns that are not held [1]."""
+    """Where Gauss-Newton steps, shortened until they help, take the unknowns not held [1].
+
+    A box limits the step of each unknown by itself: one that hardly matters and is far from its
+    optimum does not hold up the others.
+    """
     unknowns = np.clip(unknowns, *bounds.T)
-    residual, jacobian = model(unknowns)
-    remainder = np.inf
+    here, remainder, reach = model(unknowns), np.inf, LONGEST
     for _ in range(_ITERATIONS):
-        step = _step(unknowns, residual, jacobian, bounds, held)
-        height, promised = float(residual @ residual), residual + jacobian @ step
-        remainder = max(height - float(promised @ promised), 0.0)
-        if remainder < SETTLED:
+        height = float(here[0] @ here[0])
+        room = bounds - unknowns[:, None]
+        room[np.arange(len(unknowns)) == held] = 0.0
+        remainder = _promise(here, room)
+        near = boxed_step(*here, np.clip(room, -LONGEST, LONGEST))[1]
+        # A little that is left far along a flat valley is not worth the way there.
+        if near < SETTLED and remainder < UNSETTLED:
             break
         for _ in range(_HALVINGS):
+            step, _ = boxed_step(*here, np.clip(room, -reach, reach))
             there = model(unknowns + step)
             if float(there[0] @ there[0]) < height:
                 break
-            step = step / 2
+            reach = float(np.abs(step).max()) / 2
         else:
             break
-        unknowns = unknowns + step
-        residual, jacobian = there
-    return Point(unknowns, residual, jacobian, remainder)
+        # Rounding must not carry an unknown past its bound.
+        unknowns, here = np.clip(unknowns + step, *bounds.T), there
+        reach = min(2 * reach, LONGEST)
+    return Point(unknowns, *here, remainder)
 
 
 def _length(point: Point, number: int, way: int, rise: float) -> float:

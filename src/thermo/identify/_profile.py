@@ -39,8 +39,8 @@ class Profile:
       no end point [1].
     - `linear`: half-width that the curvature at the optimum gives, infinite where it has none [1].
     - `kind`: "bounded"; "one-sided" where one end is reached; "flat" where none is; "at bound"
-      where the optimum lies on one; "multimodal" where the path falls again; "failed" where the
-      others were not at their optimum.
+      where the optimum lies on one and the other side has an end; "multimodal" where the path falls
+      again; "failed" where the others were not at their optimum.
     """
 
     best: Float[np.ndarray, " unknowns"]
@@ -136,8 +136,9 @@ def _kind(at: Point, number: int, paths: list[Path], bounds: Float[np.ndarray, "
         return "failed"
     if any(path.falls() for path in paths):
         return "multimodal"
-    value = at.unknowns[number]
-    if min(abs(value - bound) for bound in bounds) < _AT_BOUND:
-        return "at bound"
     reached = sum(path.end is not None for path in paths)
+    value = at.unknowns[number]
+    # Where the data tell no value within the bounds from another, it is chance which is the best.
+    if reached and min(abs(value - bound) for bound in bounds) < _AT_BOUND:
+        return "at bound"
     return ("flat", "one-sided", "bounded")[reached]
