@@ -38,6 +38,16 @@ def test_slopes_are_differences(model: LogModel) -> None:
         assert slopes[:, number] == pytest.approx(wanted, abs=1e-4 * np.abs(wanted).max())
 
 
+def test_fields_that_a_compiled_function_returned_in_another_order_change_nothing(
+    model: LogModel,
+) -> None:
+    returned = jax.jit(lambda fields: fields)(model.objective.fields)
+    assert tuple(returned) != model.names
+    again = replace(model, objective=replace(model.objective, fields=returned))
+    for before, after in zip(model(model.first), again(model.first), strict=True):
+        assert np.allclose(before, after, rtol=1e-9)
+
+
 def test_a_prior_is_a_residual_beside_the_readings(model: LogModel) -> None:
     before, _ = model(model.first)
     after, _ = model(model.first + [0.2, 0.0])
