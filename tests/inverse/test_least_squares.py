@@ -102,32 +102,63 @@ def test_tangents_that_point_uphill_stall_without_success() -> None:
     move=st.lists(st.floats(-1e6, 1e6, allow_subnormal=False), min_size=1, max_size=6),
     share=st.floats(1e-6, 1e6),
 )
-def test_steps_are_cut_or_shortened_and_more_where_trust_was_lost(
-    move: list[float], share: float
-) -> None:
+def test_steps_are_shortened_and_more_where_trust_was_lost(move: list[float], share: float) -> None:
     trust = jnp.asarray(share * least_squares.FIRST_STEP)
     longest = max(map(abs, move))
     most = min(least_squares.LONGEST, longest) * min(1.0, share)
-    cut = np.asarray(least_squares._cut(jnp.asarray(move), trust))
-    expected = [np.sign(one) * min(abs(one), most) for one in move]
-    np.testing.assert_allclose(cut, expected, rtol=1e-12)
     short = np.asarray(least_squares._shortened(jnp.asarray(move), trust))
     part = most / max(longest, 1e-12)
     np.testing.assert_allclose(short, np.asarray(move) * part, rtol=1e-9, atol=1e-300)
 
 
+def near(matrix: np.ndarray, value: np.ndarray) -> Any:
+    """The loss near a point with this residual and Jacobian [1]."""
+    parts = jnp.linalg.eigh(jnp.asarray(matrix.T @ matrix))
+    return least_squares._Near(jnp.asarray(value @ matrix), *parts)
+
+
+@given(seed=st.integers(0, 999), share=st.floats(1e-6, 2.0))
+def test_the_damping_is_the_least_that_keeps_a_step_short(seed: int, share: float) -> None:
+    make = np.random.default_rng(seed)
+    here = near(make.normal(size=(30, 4)) * [1e-3, 1.0, 20.0, 5.0], make.normal(size=30))
+    trust = jnp.asarray(least_squares.FIRST_STEP)
+    whole = here.damped(trust)
+    most = share * jnp.abs(whole).max()
+    step = here.within(most, trust)
+    if share >= 1:
+        np.testing.assert_allclose(step, whole, rtol=1e-9)
+    else:
+        assert float(jnp.abs(step).max()) == pytest.approx(float(most), rel=1e-6)
+    part = jnp.minimum(1.0, share)
+    assert float(here.promise(step)) >= float(here.promise(part * whole)) * (1 - 1e-9)
+
+
+def test_where_nothing_is_to_be_gained_nothing_moves() -> None:
+    here = near(np.eye(3), np.zeros(3))
+    step = here.within(jnp.asarray(0.0), jnp.asarray(least_squares.FIRST_STEP))
+    assert np.array_equal(step, np.zeros(3))
+
+
+def test_a_direction_that_is_hardly_known_holds_up_no_other() -> None:
+    # Only the sum of both is known well, and it is off by 1; their difference is said to be 40 off.
+    matrix = np.array([[300.0, 300.0], [0.3, -0.3]])
+    here = near(matrix, -matrix @ np.array([20.5, -19.5]))
+    step, _ = least_squares._BoundedDescent().step(jnp.asarray(least_squares.FIRST_STEP), here)
+    assert np.abs(step).max() <= least_squares.LONGEST
+    assert step.sum() == pytest.approx(1.0, abs=1e-3), "the sum goes all its way"
+
+
 def test_the_whole_step_promises_the_least_of_the_model() -> None:
     make = np.random.default_rng(1)
     matrix, value = make.normal(size=(30, 4)), make.normal(size=30)
-    parts = jnp.linalg.eigh(jnp.asarray(matrix.T @ matrix))
-    near = least_squares._Near(jnp.asarray(value @ matrix), *parts)
+    here = near(matrix, value)
     damped = np.linalg.solve(matrix.T @ matrix + np.eye(4) / 5.0, -matrix.T @ value)
-    np.testing.assert_allclose(near.damped(5.0), damped, rtol=1e-12)
+    np.testing.assert_allclose(here.damped(5.0), damped, rtol=1e-12)
     best = np.linalg.lstsq(matrix, -value, rcond=None)[0]
     fall = 0.5 * (value @ value - np.sum((value + matrix @ best) ** 2))
-    assert near.promise(jnp.asarray(best)) == pytest.approx(fall, rel=1e-12)
-    assert near.most() == pytest.approx(fall, rel=1e-3)
-    assert near.promise(jnp.asarray(0.3 * best)) < near.most()
+    assert here.promise(jnp.asarray(best)) == pytest.approx(fall, rel=1e-12)
+    assert here.most() == pytest.approx(fall, rel=1e-3)
+    assert here.promise(jnp.asarray(0.3 * best)) < here.most()
 
 
 def planned(state: Any, parameters: Parameters) -> np.ndarray:

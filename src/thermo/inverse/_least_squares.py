@@ -27,6 +27,10 @@ LONGEST = 1.0
 # which way is down, and shorter steps along them would only cost time. That is no success.
 STALLED = 3
 
+# Halvings [1] of the range in which the least damping lies, and what keeps a slope of nothing from
+# dividing [1].
+HALVINGS, TINY = 40, 1e-30
+
 # Of the trust region: change of the loss, as a share of the predicted one [1], from which a step
 # is accepted or good, and factors of the trust after a good and after a rejected step [1].
 ACCEPTED, GOOD, WIDEN, NARROW = 0.01, 0.99, 3.5, 0.25
@@ -58,33 +62,22 @@ def _known(value: Float[Array, " all"], matrix: Float[Array, "all unknowns"]) ->
     return lambda point, args: (function(point), None)
 
 
-def _most(trust: Float[Array, ""]) -> Float[Array, ""]:
-    """The largest change of a parameter [1] at a trust, the inverse of the damping [1].
+def _longest(move: Float[Array, " unknowns"], trust: Float[Array, ""]) -> Float[Array, ""]:
+    """The largest change of a parameter [1] in place of a step, at a trust: inverse damping [1].
 
     Far from the answer a field can be so stiff that the data hardly change with it, and the
-    undamped step leaves the bounds; finding the right damping by trial costs a run a trial. And
-    damping counts only once it is as large as the normal matrix, after many rejected steps.
+    undamped step leaves the bounds. And damping by the trust alone counts only once it is as large
+    as the normal matrix, after many rejected steps of a run each.
     """
-    return LONGEST * jnp.minimum(1.0, trust / FIRST_STEP)
+    return jnp.minimum(LONGEST, optx.max_norm(move)) * jnp.minimum(1.0, trust / FIRST_STEP)
 
 
 def _shortened(
     move: Float[Array, " unknowns"], trust: Float[Array, ""]
 ) -> Float[Array, " unknowns"]:
     """The step [1] along its own way, no parameter changed by more than the trust allows."""
-    longest = optx.max_norm(move)
-    most = jnp.minimum(LONGEST, longest) * _most(trust) / LONGEST
-    return move * jnp.minimum(1.0, most / jnp.maximum(longest, 1e-12))
-
-
-def _cut(move: Float[Array, " unknowns"], trust: Float[Array, ""]) -> Float[Array, " unknowns"]:
-    """The step [1] with the change of each parameter cut by itself.
-
-    One that the data hardly know does not hold up the others then; but the step goes another way,
-    which need not be downhill.
-    """
-    most = jnp.minimum(LONGEST, optx.max_norm(move)) * _most(trust) / LONGEST
-    return jnp.clip(move, -most, most)
+    longest = jnp.maximum(optx.max_norm(move), 1e-12)
+    return move * jnp.minimum(1.0, _longest(move, trust) / longest)
 
 
 @final
@@ -103,6 +96,25 @@ class _Near(eqx.Module):
         along = (self.slope @ self.way) / (jnp.maximum(self.size, 0) + 1 / trust)
         return -self.way @ along
 
+    def within(self, most: Float[Array, ""], trust: Float[Array, ""]) -> Float[Array, " unknowns"]:
+        """The step [1] with the least damping that changes no parameter by more than `most` [1].
+
+        What the data know well goes all its way in it, while what they hardly know is held back.
+
+        Source: Nocedal and Wright, Numerical Optimization, section 4.3, there of the length.
+        """
+
+        def halve(_: Any, ends: tuple[Array, Array]) -> tuple[Array, Array]:
+            low, high = ends
+            middle = 0.5 * (low + high)
+            short = optx.max_norm(self.damped(jnp.exp(middle))) <= most
+            return jnp.where(short, middle, low), jnp.where(short, high, middle)
+
+        # No step is longer than the slope times the inverse of the damping.
+        least = jnp.maximum(most, TINY) / jnp.maximum(jnp.linalg.norm(self.slope), TINY)
+        ends = jnp.log(jnp.minimum(least, trust)), jnp.log(trust)
+        return self.damped(jnp.exp(jax.lax.fori_loop(0, HALVINGS, halve, ends)[0]))
+
     def promise(self, move: Float[Array, " unknowns"]) -> Float[Array, ""]:
         """By how much the linearised residual lets the loss fall [1] in a step."""
         return -(self.slope @ move + 0.5 * jnp.sum(self.size * (move @ self.way) ** 2))
@@ -114,7 +126,7 @@ class _Near(eqx.Module):
 
 @final
 class _BoundedDescent(optx.AbstractDescent):
-    """A damped Newton step of bounded length: cut or shortened, whichever promises more."""
+    """A Newton step of bounded length: cut, or damped to it, whichever promises more."""
 
     def init(self, y: Any, f_info_struct: Any) -> Any:
         del f_info_struct
@@ -127,9 +139,10 @@ class _BoundedDescent(optx.AbstractDescent):
 
     def step(self, step_size: Any, state: Any) -> Any:
         trust = jnp.minimum(step_size, FIRST_STEP)
-        move = state.damped(trust)
-        cut, short = _cut(move, trust), _shortened(move, trust)
-        better = jnp.where(state.promise(cut) > state.promise(short), cut, short)
+        whole = state.damped(trust)
+        most = _longest(whole, trust)
+        cut, damped = jnp.clip(whole, -most, most), state.within(most, trust)
+        better = jnp.where(state.promise(cut) > state.promise(damped), cut, damped)
         return better, optx.RESULTS.successful
 
 
