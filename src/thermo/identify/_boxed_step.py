@@ -22,14 +22,12 @@ def boxed_step(
 
     Directions that the slopes do not show are left alone. An unknown whose box is empty stays.
 
-    Args:
-        residual: whitened residual [1], (values,).
-        jacobian: its slopes [1], (values, unknowns).
-        box: least and largest step of each unknown [1], (unknowns, 2), the least at most nothing
-            and the largest at least nothing.
+    Arguments:
 
-    Returns:
-        The step [1], and what it takes off the sum of squares if the slopes are right [1].
+    - `residual`: whitened residual [1]; `jacobian`: its slopes [1].
+    - `box`: least and largest step of each unknown [1], zero within or at an end.
+
+    Returns the step [1], and what it takes off the sum of squares if the slopes are right [1].
 
     Source: the bounded-variable algorithm of Stark and Parker (1995), as SciPy has it.
     """

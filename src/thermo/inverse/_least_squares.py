@@ -27,8 +27,8 @@ LONGEST = 1.0
 # which way is down, and shorter steps along them would only cost time. That is no success.
 STALLED = 3
 
-# Halvings [1] of the range in which the least damping lies, and what keeps a slope of nothing from
-# dividing [1].
+# Halvings [1] of the range in which the least damping lies; and what a slope or a step counts as at
+# least [1], so that nothing is divided by zero.
 HALVINGS, TINY = 40, 1e-30
 
 # Of the trust region: change of the loss, as a share of the predicted one [1], from which a step
