@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 from scipy.interpolate import RBFInterpolator
 
+from thermo.fields._cut_simplex import share_above
 from thermo.fields._field import AbstractField
 from thermo.fields._head import AbstractHead
 from thermo.fields._quantity import Quantity
@@ -125,15 +126,13 @@ def two_material_values(
 ) -> tuple[Float[np.ndarray, " cells"], Float[np.ndarray, " faces"]]:
     """Two materials in the cells and on the faces of any mesh [m], in the quantity's unit.
 
-    The transition is as sharp as that mesh can show.
+    No transition is needed where nothing is fitted: log phi is the mean of both by their shares of
+    a cell, which the boundary cuts along a plane.
     """
     low, high = np.log(boundary.levels)
-    above = boundary.heights / _half_edge(mesh)
-    values = []
-    for parts, inside in ((mesh.cells[:, :4], CELL_POINTS), (mesh.faces[:, :3], FACE_POINTS)):
-        height = _weights(boundary.points, mesh.nodes[parts], inside) @ above
-        values.append(np.exp(np.mean(low + (high - low) * 0.5 * (1 + np.tanh(height)), axis=1)))
-    return values[0], values[1]
+    height = _spline(boundary.points, boundary.heights)(mesh.nodes)
+    cells, faces = (share_above(height[parts]) for parts in (mesh.cells[:, :4], mesh.faces[:, :3]))
+    return np.exp(low + (high - low) * cells), np.exp(low + (high - low) * faces)
 
 
 def two_groups(
@@ -185,16 +184,18 @@ def _weights(
     corners: Float[np.ndarray, "parts c 3"],
     inside: np.ndarray,
 ) -> Float[np.ndarray, "parts c controls"]:
-    """Weights [1] of all controls at points `inside` cells or faces of given corners [m].
-
-    Biharmonic splines with a linear part: a plane boundary stays a plane.
-    """
+    """Weights [1] of all controls at points `inside` cells or faces of given corners [m]."""
     place = np.einsum("qc,pcx->pqx", inside, corners)
+    weights = _spline(points, np.eye(len(points)))(place.reshape(-1, 3))
+    return weights.reshape(*place.shape[:2], -1)
+
+
+def _spline(points: Float[np.ndarray, "controls 3"], values: np.ndarray) -> RBFInterpolator:
+    """Biharmonic spline with a linear part through points [m]: a plane boundary stays a plane."""
     centred = points - points.mean(0)
     spread = np.linalg.svd(centred, compute_uv=False)
     flat = len(spread) < 3 or spread[-1] < 1e-6 * spread[0]
-    spline = RBFInterpolator(points, np.eye(len(points)), kernel="linear", degree=0 if flat else 1)
-    return spline(place.reshape(-1, 3)).reshape(*place.shape[:2], -1)
+    return RBFInterpolator(points, values, kernel="linear", degree=0 if flat else 1)
 
 
 def two_material_field(
