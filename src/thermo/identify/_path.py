@@ -9,7 +9,7 @@ from typing import Final, final
 import numpy as np
 from jaxtyping import Float
 
-from thermo.identify._boxed_step import UNSEEN, boxed_step
+from thermo.identify._boxed_step import boxed_step, reduced
 
 Model = Callable[
     [Float[np.ndarray, " unknowns"]],
@@ -71,7 +71,8 @@ class Point:
         free = np.arange(len(self.unknowns)) != number
         way = np.zeros(len(self.unknowns))
         way[number] = 1.0
-        way[free] = -_least(self.jacobian[:, free], self.jacobian[:, number])
+        wide = np.full((len(way) - 1, 2), [-np.inf, np.inf])
+        way[free], _ = boxed_step(self.jacobian[:, number], self.jacobian[:, free], wide)
         return way
 
     def stiffness(self, number: int) -> float:
@@ -95,15 +96,8 @@ class Path:
         return bool(np.any(np.maximum.accumulate(heights) - heights > FALL))
 
 
-def _least(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """The least-squares solution that leaves directions alone that the columns hardly show."""
-    length = np.linalg.norm(matrix, axis=0)
-    length = np.where(length > 0, length, 1.0)
-    return np.linalg.lstsq(matrix / length, right, rcond=UNSEEN)[0] / length
-
-
 def _promise(
-    point: tuple[Float[np.ndarray, " values"], Float[np.ndarray, "values unknowns"]],
+    slopes: tuple[Float[np.ndarray, " few"], Float[np.ndarray, "few unknowns"]],
     room: Float[np.ndarray, "unknowns 2"],
 ) -> float:
     """What the slopes promise to take off chi squared within the bounds [1].
@@ -112,7 +106,7 @@ def _promise(
     others: in a value that is all but gone a step up is long. The longer room counts.
     """
     longer = np.stack([room[:, 0], np.expm1(np.minimum(room[:, 1], _LONG))], axis=1)
-    return boxed_step(*point, longer)[1]
+    return boxed_step(*slopes, longer)[1]
 
 
 def settle(
@@ -132,13 +126,14 @@ def settle(
         height = float(here[0] @ here[0])
         room = bounds - unknowns[:, None]
         room[np.arange(len(unknowns)) == held] = 0.0
-        remainder = _promise(here, room)
-        near = boxed_step(*here, np.clip(room, -LONGEST, LONGEST))[1]
+        slopes = reduced(*here)
+        remainder = _promise(slopes, room)
+        near = boxed_step(*slopes, np.clip(room, -LONGEST, LONGEST))[1]
         # A little that is left far along a flat valley is not worth the way there.
         if near < SETTLED and remainder < UNSETTLED:
             break
         for _ in range(_HALVINGS):
-            step, _ = boxed_step(*here, np.clip(room, -reach, reach))
+            step, _ = boxed_step(*slopes, np.clip(room, -reach, reach))
             there = model(unknowns + step)
             if float(there[0] @ there[0]) < height:
                 break
