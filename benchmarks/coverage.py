@@ -105,7 +105,7 @@ class Around:
         )  # fmt: skip
         plain = replace(model.objective, cases=tuple(map(in_kelvin, model.objective.cases)))
         here = start(plain)
-        change = np.linalg.inv(logarithm_slopes(plain, here, "Uniform"))
+        change = np.linalg.inv(logarithm_slopes(plain, here, UNKNOWN, "Uniform"))
         matrix = np.asarray(eqx.filter_jit(jacobian)(plain, here)[1]) @ change
         self.objective, self.most_frames = plain, stepping.most_frames
         self.runs = [scene.runs[name] for name in RUNS]

@@ -94,7 +94,7 @@ def sensitivity(
     objective = replace(objective, cases=tuple(in_kelvin(case) for case in objective.cases))
     here = start(objective)
     # Asked first: the Jacobian by the many weights of a network would take for ever.
-    change = logarithm_slopes(objective, here, type(task.choice).__name__)
+    change = logarithm_slopes(objective, here, tuple(objective.fields), type(task.choice).__name__)
     matrix = np.array(scaled_slopes(objective, scales))
     matrix[:, : len(change)] = matrix[:, : len(change)] @ np.linalg.inv(change)
     found = _by_run(objective, matrix, task, scales)
@@ -134,17 +134,19 @@ def unfitted(
 
 
 def logarithm_slopes(
-    objective: Objective, parameters: Parameters, choice: str
+    objective: Objective, parameters: Parameters, names: tuple[str, ...], choice: str
 ) -> Float[np.ndarray, "controls unknowns"]:
-    """Slopes of the logarithms at the controls by what the fields are made of [1].
+    """Slopes of the logarithms at the controls, field by field as named, by their parameters [1].
+
+    The objective's own order is no guide: a compiled function returns fields by the alphabet.
 
     Raises `InputError`, which names the `choice`, where there is not one unknown for each control.
     """
     flat, unravel = ravel_pytree(parameters)
 
     def logarithms(point: Float[Array, " unknowns"]) -> Float[Array, " controls"]:
-        fields = with_fields(objective, unravel(point)).values()
-        return jnp.concatenate([jnp.log(field.control_values()) for field in fields])
+        fields = with_fields(objective, unravel(point))
+        return jnp.concatenate([jnp.log(fields[name].control_values()) for name in names])
 
     if jax.eval_shape(logarithms, flat).shape != flat.shape:
         raise InputError(
