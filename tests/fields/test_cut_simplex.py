@@ -32,6 +32,15 @@ def test_one_that_is_not_cut_is_whole_or_nothing() -> None:
     assert share_above(heights) == pytest.approx([1.0, 0.0, 1.0], abs=1e-12)
 
 
+@given(axis=st.integers(0, 2), place=st.floats(0.01, 0.99))
+def test_a_plane_across_a_box_leaves_what_lies_above_it(axis: int, place: float) -> None:
+    size = (1.0, 2.0, 3.0)
+    mesh = box_mesh(size, (3, 3, 3))
+    height = mesh.nodes[:, axis] - mesh.nodes[:, axis].min() - place * size[axis]
+    share = cell_volumes(mesh) @ share_above(height[mesh.cells]) / np.prod(size)
+    assert share == pytest.approx(1 - place, abs=1e-4)
+
+
 @given(
     way=st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda way: np.linalg.norm(way) > 0.1),
 )

@@ -106,6 +106,10 @@ def test_steps_are_shortened_and_more_where_trust_was_lost(move: list[float], sh
     trust = jnp.asarray(share * least_squares.FIRST_STEP)
     longest = max(map(abs, move))
     most = min(least_squares.LONGEST, longest) * min(1.0, share)
+    left = least_squares._longest(jnp.asarray(move), trust)
+    cut = np.clip(np.asarray(move), -np.asarray(left), np.asarray(left))
+    expected = [np.sign(one) * min(abs(one), most) for one in move]
+    np.testing.assert_allclose(cut, expected, rtol=1e-12)
     short = np.asarray(least_squares._shortened(jnp.asarray(move), trust))
     part = most / max(longest, 1e-12)
     np.testing.assert_allclose(short, np.asarray(move) * part, rtol=1e-9, atol=1e-300)
@@ -146,6 +150,8 @@ def test_a_direction_that_is_hardly_known_holds_up_no_other() -> None:
     step, _ = least_squares._BoundedDescent().step(jnp.asarray(least_squares.FIRST_STEP), here)
     assert np.abs(step).max() <= least_squares.LONGEST
     assert step.sum() == pytest.approx(1.0, abs=1e-3), "the sum goes all its way"
+    distrusted, _ = least_squares._BoundedDescent().step(jnp.asarray(1.0), here)
+    assert np.abs(distrusted).max() == pytest.approx(0.01, rel=1e-6)
 
 
 def test_the_whole_step_promises_the_least_of_the_model() -> None:

@@ -63,7 +63,7 @@ def _known(value: Float[Array, " all"], matrix: Float[Array, "all unknowns"]) ->
 
 
 def _longest(move: Float[Array, " unknowns"], trust: Float[Array, ""]) -> Float[Array, ""]:
-    """The largest change of a parameter [1] in place of a step, at a trust: inverse damping [1].
+    """The largest change of a parameter [1] that a trust, an inverse damping [1], leaves of a step.
 
     Far from the answer a field can be so stiff that the data hardly change with it, and the
     undamped step leaves the bounds. And damping by the trust alone counts only once it is as large
