@@ -11,7 +11,7 @@ import pytest
 from jax.flatten_util import ravel_pytree
 from lit_box import MESH
 
-from thermo.discover import Place
+from thermo.discover import Inclusion, Place
 from thermo.discover._descent import Free
 from thermo.discover._entries import (
     entries,
@@ -38,7 +38,15 @@ FIRST = (
     LocalConvection(jnp.asarray([20.0, 30.0]), Place(CENTRES, jnp.asarray([0.004, 0.005]))),
     SupportContact(jnp.arange(6.0), Place(None, DEPTHS)),
     AmbientDrift(jnp.asarray([1.0, 2.0, 3.0]), duration=jnp.asarray(30.0)),
-    Void(jnp.asarray([0.5, 0.6]), Place(CENTRES, jnp.asarray([[1.0, 2, 3], [4, 5, 6]]) * 1e-3)),
+    Void(
+        jnp.asarray([0.5, 0.6]),
+        Inclusion(
+            CENTRES,
+            jnp.asarray([[1.0, 2, 3], [4, 5, 6]]) * 1e-3,
+            jnp.asarray([4.0, 3.0]),
+            jnp.asarray([8.0, 9.0]),
+        ),
+    ),
     SensorLag(jnp.asarray([1.5])),
 )
 
@@ -149,13 +157,17 @@ def test_a_depth_has_no_centre(point: Extended, flat: np.ndarray) -> None:
     check(free_of(point, "support_contact", 4), flat, wanted)
 
 
-def test_three_sizes_are_free_each_by_itself(point: Extended, flat: np.ndarray) -> None:
+def test_three_sizes_and_the_form_are_free_each_by_itself(
+    point: Extended, flat: np.ndarray
+) -> None:
     wanted = [
         (0.6, 0.45, 0.0, 0.999),
         (0.015, 0.004, 0.0, 0.020),
         (0.003, 0.005, 0.0, 0.012),
         (0.008, 0.006, 0.0, 0.008),
         *((size, 0.5 * size, 0.25 * size, 4 * size) for size in (0.004, 0.005, 0.006)),
+        (3.0, 2.0, 2.0, 12.0),
+        (9.0, 4.0, 4.0, 24.0),
     ]
     check(free_of(point, "void", 1), flat, wanted)
 
@@ -189,15 +201,15 @@ def test_parts_are_joined_in_their_order(point: Extended) -> None:
 def test_a_point_moves_entry_by_entry(point: Extended, flat: np.ndarray) -> None:
     change = np.zeros(len(flat))
     free = free_of(point, "void", 1)
-    change[free.number] = [0.1, 1e-3, 0, 0, 0, 0, 2e-3]
+    change[free.number] = [0.1, 1e-3, 0, 0, 0, 0, 2e-3, 0.5, 0]
     after = moved(point, change)
     void, before = after.candidates[4], point.candidates[4]
     assert isinstance(void, Void) and isinstance(before, Void)
     np.testing.assert_allclose(void.strength, [0.5, 0.7])
-    assert void.place.centre is not None
     np.testing.assert_allclose(void.place.centre[1], [0.016, 0.003, 0.008])
     np.testing.assert_allclose(void.place.size[1], [0.004, 0.005, 0.008])
     np.testing.assert_allclose(void.place.size[0], before.place.size[0])
+    np.testing.assert_allclose(void.place.roundness, [4.0, 3.5])
     for name, values in point.fields.items():
         np.testing.assert_array_equal(after.fields[name], values)
     np.testing.assert_allclose(ravel_pytree(after)[0], flat + change, rtol=1e-14)

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from thermo.discover import Place
 from thermo.discover._fingerprint import fingerprint
-from thermo.discover.candidates import HiddenSource, Void
+from thermo.discover.candidates import HiddenSource, LocalConvection
 
 from .lit_objective import objective
 
@@ -35,7 +35,7 @@ def test_one_bit_of_one_number_counts(values: list[float], at: int) -> None:
 def test_kinds_names_and_shapes_count() -> None:
     source = HiddenSource(jnp.zeros(2), PLACE)
     others = (
-        source, Void(jnp.zeros(2), PLACE), replace(source, strength=jnp.ones(2)),
+        source, LocalConvection(jnp.zeros(2), PLACE), replace(source, strength=jnp.ones(2)),
         replace(source, place=replace(PLACE, size=2 * jnp.ones(2))), [source], (source, source),
         {"a": source}, {"b": source},
         np.zeros(2), np.zeros((1, 2)), np.zeros(2, np.float32), [0.0, 0.0], [0, 0], "0", b"0", 0,

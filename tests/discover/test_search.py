@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from lit_box import MESH, STATED
+from lit_box import MESH, STATED, within
 from standings import VALUES, standing
 
 from thermo.discover import Place
@@ -235,7 +235,10 @@ def test_a_rival_is_put_to_work_where_the_effect_was(
 
     monkeypatch.setattr(module, "fitted", fitted)
     place = Place(jnp.zeros((1, 3)), jnp.ones(1))
-    source, void = HiddenSource(jnp.ones(1), place), Void(jnp.asarray([0.3]), place)
+    source, void = (
+        HiddenSource(jnp.ones(1), place),
+        Void(jnp.asarray([0.3]), within((0.0, 0.0, 0.0), 1.0)),
+    )
     power = HeaterPower(jnp.zeros(1))
     point = Extended({}, (source, void, power) if known else (source, void))
     bench = Bench(box_task(tmp_path), Ready(MESH, STATED, {}, {}, {}, {}), objective(), MESH)

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.typing import NDArray
 
-from thermo.discover import Candidate, Place
+from thermo.discover import Candidate, Inclusion, Place
 from thermo.inverse import Conditions
 from thermo.inverse._addition import extend, read_as
 from thermo.inverse._conditions import conditions, make_model
@@ -169,6 +169,19 @@ def nearest(place: tuple[float, float, float]) -> int:
 def at(place: tuple[float, float, float], size: float) -> Place:
     """One place [m]."""
     return Place(jnp.asarray(place)[None], jnp.asarray([size]))
+
+
+def within(
+    where: tuple[float, float, float],
+    size: float | list[float],
+    roundness: float = 4.0,
+    sharpness: float = 8.0,
+) -> Inclusion:
+    """A body within the body, of one size or of one along each axis [m]."""
+    sizes = jnp.broadcast_to(jnp.asarray(size), (1, 3))
+    return Inclusion(
+        jnp.asarray([where]), sizes, jnp.asarray([roundness]), jnp.asarray([sharpness])
+    )
 
 
 def one(value: float) -> jax.Array:

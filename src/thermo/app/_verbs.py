@@ -87,7 +87,7 @@ def _ending(estimate: inverse.Estimate, optimiser: inverse.AbstractOptimiser) ->
         return f"Settled after {steps} steps."
     remedy = "the coarse tangents know no way down, give mesh.coarse_tangents=false"
     if len(estimate.history[-1]) >= optimiser.max_steps:
-        remedy = "raise optimiser.max_steps"
+        remedy = "raise optimiser.max_steps, or see by `thermo identify` what these runs leave open"
     return f"NOT CONVERGED after {steps} steps: {remedy}."
 
 

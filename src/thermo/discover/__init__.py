@@ -6,6 +6,7 @@ from thermo.discover._candidate import (
     AbstractReadingCandidate,
     Candidate,
     Card,
+    Inclusion,
     Place,
     Transition,
 )
@@ -30,6 +31,7 @@ __all__ = [
     "Effect",
     "Follows",
     "HeldOut",
+    "Inclusion",
     "Misfit",
     "Part",
     "Place",

@@ -16,6 +16,16 @@ from thermo.physics import Discretisation, volume_rule
 FINE: Final = 5
 """Degree of the rule [1] for what varies within a cell: light that is soon gone, edges of voids."""
 
+# Squares of ways over sizes [1] below which one is in the middle and above which one is far away.
+_MIDDLE: Final = 1e-12
+_FAR: Final = 100.0
+
+ROUNDNESS: Final = (4.0, 2.0, 12.0)
+"""Of an `Inclusion` where it is looked for at first, the least and the largest [1]."""
+
+SHARPNESS: Final = (8.0, 4.0, 24.0)
+"""The same of its edge [1]; a sharper one falls between the points of the rule over a cell."""
+
 Shapes = Float[Array, "places points cells"]
 """Share of each place's full strength [1]."""
 
@@ -61,16 +71,40 @@ class Place(eqx.Module):
 
     def shapes(self, at: Float[Array, "*any 3"]) -> Float[Array, "places *any"]:
         """Share of each place's full strength [1] at points [m]."""
-        return jnp.stack([jnp.exp(-jnp.sum(way**2, -1) / 2) for way in self._ways(at)])
-
-    def boxes(self, at: Float[Array, "*any 3"]) -> Float[Array, "places *any"]:
-        """The same with exp(-sum of (way / size)^8), a box with slightly rounded edges [1]."""
-        return jnp.stack([jnp.exp(-jnp.sum(way**8, -1)) for way in self._ways(at)])
-
-    def _ways(self, at: Float[Array, "*any 3"]) -> list[Float[Array, "*any 3"]]:
-        """From each centre to points [m], over the place's size [1]."""
         assert self.centre is not None, "a depth has no shape of its own"
-        return [(at - c) / s for c, s in zip(self.centre, self.size, strict=True)]
+        ways = [(at - c) / s for c, s in zip(self.centre, self.size, strict=True)]
+        return jnp.stack([jnp.exp(-jnp.sum(way**2, -1) / 2) for way in ways])
+
+
+@final
+class Inclusion(eqx.Module):
+    """Bodies within the body: exp(-r^sharpness), r^roundness = sum of |way / size|^roundness.
+
+    - `centre`, `size`: (places, 3), along x, y and z [m].
+    - `roundness`: (places,) [1], 2 for an ellipsoid, more for a box; `sharpness`: (places,) of the
+      edge [1].
+
+    Source: Barr, IEEE Computer Graphics and Applications 1 (1981) 11, the superellipsoid.
+    """
+
+    centre: Float[Array, "places 3"]
+    size: Float[Array, "places 3"]
+    roundness: Float[Array, " places"]
+    sharpness: Float[Array, " places"]
+
+    def shapes(self, at: Float[Array, "*any 3"]) -> Float[Array, "places *any"]:
+        """Share of each place's full strength [1] at points [m]."""
+        places = zip(self.centre, self.size, self.roundness, self.sharpness, strict=True)
+        return jnp.stack([_inside((at - c) / s, round_, sharp) for c, s, round_, sharp in places])
+
+
+def _inside(
+    way: Float[Array, "*any 3"], roundness: Float[Array, ""], sharpness: Float[Array, ""]
+) -> Float[Array, "*any"]:
+    # Within the floor and the ceiling powers and their slopes by the exponents are finite.
+    squares = jnp.clip(way**2, _MIDDLE, _FAR)
+    radius = jnp.sum(squares ** (roundness / 2), -1) ** (1 / roundness)
+    return jnp.exp(-(jnp.minimum(radius, _FAR) ** sharpness))
 
 
 @final
@@ -84,6 +118,10 @@ class Transition(eqx.Module):
     size: Float[Array, " places"]
 
 
+Where = Place | Inclusion | Transition
+"""Of each part of a candidate, where it is."""
+
+
 class AbstractHeatCandidate(AbstractHeatAddition):
     """A candidate that changes the heat equation.
 
@@ -93,7 +131,7 @@ class AbstractHeatCandidate(AbstractHeatAddition):
 
     card: eqx.AbstractClassVar[Card]
     strength: eqx.AbstractVar[Float[Array, " parts"]]
-    place: eqx.AbstractVar[Place | Transition | None]
+    place: eqx.AbstractVar[Where | None]
 
 
 class AbstractReadingCandidate(AbstractReadingAddition):
@@ -101,7 +139,7 @@ class AbstractReadingCandidate(AbstractReadingAddition):
 
     card: eqx.AbstractClassVar[Card]
     strength: eqx.AbstractVar[Float[Array, " parts"]]
-    place: eqx.AbstractVar[Place | Transition | None]
+    place: eqx.AbstractVar[Where | None]
 
 
 Candidate = AbstractHeatCandidate | AbstractReadingCandidate

@@ -9,7 +9,15 @@ import jax
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from thermo.discover._candidate import Candidate, Card, Place, Transition
+from thermo.discover._candidate import (
+    ROUNDNESS,
+    SHARPNESS,
+    Candidate,
+    Card,
+    Inclusion,
+    Transition,
+    Where,
+)
 from thermo.discover._descent import Free
 from thermo.discover._extended import Extended, numbers
 from thermo.inverse import Parameters
@@ -104,12 +112,12 @@ def free_entries(
 
 
 def _of_place(
-    numbers: Place | Transition,
-    before: Place | Transition,
+    numbers: Where,
+    before: Where,
     part: int,
     corners: Float[np.ndarray, "2 3"],
 ) -> list[Free]:
-    """Where a part is [m, or K] and how wide, free; `numbers`: of the entries of all places [1]."""
+    """Where a part is [m, or K], how wide and of what form, free; `numbers`: of all entries [1]."""
 
     def of(leaf: Array) -> Few:
         return np.atleast_1d(np.asarray(leaf)[part])
@@ -125,6 +133,12 @@ def _of_place(
     if isinstance(before, Transition):
         middle, far = of(before.centre), _WIDTHS * sizes
         return [free(where, sizes, middle - far, middle + far), *found]
+    if isinstance(numbers, Inclusion):
+        for leaf, (first, least, most) in (
+            (numbers.roundness, ROUNDNESS),
+            (numbers.sharpness, SHARPNESS),
+        ):
+            found.append(free(leaf, *(np.array([one]) for one in (0.5 * first, least, most))))
     return [free(where, np.array(np.broadcast_to(sizes, 3)), *corners), *found]
 
 

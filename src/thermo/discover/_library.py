@@ -10,7 +10,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from thermo.discover._candidate import Candidate, Place, Transition
+from thermo.discover._candidate import (
+    ROUNDNESS,
+    SHARPNESS,
+    Candidate,
+    Inclusion,
+    Place,
+    Transition,
+)
 from thermo.discover.candidates import (
     AmbientDrift,
     AnisotropicConductivity,
@@ -108,7 +115,9 @@ def library(setting: Setting) -> tuple[Candidate, ...]:
         )
 
     # Along each axis a share of the body there, so that a void is as flat as the body is.
-    flat = Place(within.centre, jnp.broadcast_to(jnp.asarray(_SIZE * extent), inside.shape))
+    sizes = jnp.broadcast_to(jnp.asarray(_SIZE * extent), inside.shape)
+    ones = jnp.ones(len(inside))
+    flat = Inclusion(jnp.asarray(inside), sizes, ROUNDNESS[0] * ones, SHARPNESS[0] * ones)
 
     def zero(parts: int = 1) -> Float[Array, " parts"]:
         return jnp.zeros(parts)

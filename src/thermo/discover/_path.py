@@ -11,7 +11,7 @@ from scipy.stats import chi2
 
 from thermo.discover._bench import FINEST, edge_of, finest, resolved
 from thermo.discover._calibration import Calibration, calibration
-from thermo.discover._candidate import Candidate, Place
+from thermo.discover._candidate import Candidate, Inclusion, Place
 from thermo.discover._entries import Active
 from thermo.discover._pace import Pace
 from thermo.discover._place_doubt import undoubted, with_doubt
@@ -211,7 +211,7 @@ def thinnest(standing: Standing) -> float:
     found = [np.inf]
     for name, part in standing.active:
         place = next(one.place for one in standing.point.candidates if one.card.name == name)
-        if isinstance(place, Place):
+        if isinstance(place, Place | Inclusion):
             found.append(float(np.min(np.asarray(place.size)[part])))
     return min(found)
 

@@ -11,7 +11,7 @@ from jaxtyping import Float
 
 from thermo.discover._allowance import Allowance, beside
 from thermo.discover._bench import read_there, steps_for
-from thermo.discover._candidate import Place, Transition
+from thermo.discover._candidate import Transition, Where
 from thermo.discover._entries import Active
 from thermo.discover._extended import Extended, whitened
 from thermo.discover._search import Standing, box_of, fitted, with_few_places
@@ -70,7 +70,7 @@ def _elsewhere(point: Extended, active: Active, corners: Corners) -> list[Extend
     ]
 
 
-def _places(place: Place | Transition, part: int, corners: Corners) -> list[Place | Transition]:
+def _places(place: Where, part: int, corners: Corners) -> list[Where]:
     """A place with one part of it wider, narrower or elsewhere in the body [m, or K]."""
     made = [replace(place, size=place.size.at[part].multiply(factor)) for factor in _SIZES]
     centre = place.centre

@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from lit_box import FRAMES, GRID, NODES, QUICKLY, SOLVER, at, bare, lit, steps_of
+from lit_box import FRAMES, GRID, NODES, QUICKLY, SOLVER, at, bare, lit, steps_of, within
 
 from thermo.discover import Candidate, Place
 from thermo.discover.candidates import (
@@ -62,7 +62,7 @@ def made(strength: jax.Array) -> tuple[Candidate, ...]:
         HiddenSource(by["hidden_source"], at(INSIDE, 0.003)),
         InDepthAbsorption(by["in_depth_absorption"], Place(None, jnp.asarray([0.002]))),
         AnisotropicConductivity(jnp.concatenate([by["anisotropic_conductivity"], aside[:2]])),
-        Void(by["void"], at(INSIDE, 0.004)),
+        Void(by["void"], within(INSIDE, 0.004)),
         SensorLag(by["sensor_lag"]),
         CameraEmissivity(by["camera_emissivity"]),
     )

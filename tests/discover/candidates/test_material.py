@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from jaxtyping import Array
 from lit_box import (
     DARK,
     FRAMES,
@@ -18,7 +19,6 @@ from lit_box import (
     OFF,
     SPACE,
     STATED,
-    at,
     bare,
     change,
     hot,
@@ -26,9 +26,10 @@ from lit_box import (
     nearest,
     one,
     solved,
+    within,
 )
 
-from thermo.discover import AbstractHeatCandidate, Place, Transition
+from thermo.discover import AbstractHeatCandidate, Inclusion, Transition
 from thermo.discover.candidates import (
     AnisotropicConductivity,
     LatentHeat,
@@ -67,7 +68,7 @@ MADE: dict[str, Callable[[float], AbstractHeatCandidate]] = {
         jnp.asarray([0.0, 0.0, value])
     ),
     "latent_heat": lambda value: latent(value),
-    "void": lambda value: Void(one(value), at(MIDDLE, 0.003)),
+    "void": lambda value: Void(one(value), within(MIDDLE, 0.003)),
 }
 
 
@@ -204,29 +205,52 @@ def factor_of(candidate: Void) -> np.ndarray:
 )
 def test_voids_leave_a_little_conductivity(strengths: list[float], sizes: list[float]) -> None:
     centres = jnp.asarray([MIDDLE, (0.004, 0.006, 0.004)])
-    places = Place(centres, jnp.asarray([sizes, [0.003] * 3]))
+    two = jnp.ones(2)
+    places = Inclusion(centres, jnp.asarray([sizes, [0.003] * 3]), 3 * two, 8 * two)
     factor = factor_of(Void(jnp.asarray(strengths), places))
     assert factor.min() > 1e-4 * (1 - 1e-12) and factor.max() <= 1
     alone = factor_of(Void(jnp.asarray([strengths[0], 0.0]), places))
     assert np.all(factor <= alone + 1e-12)
 
 
-@given(st.lists(st.floats(0.012, 0.1), min_size=3, max_size=3))
-def test_a_void_is_a_box_with_rounded_edges(sizes: list[float]) -> None:
-    place = Place(jnp.asarray([MIDDLE]), jnp.asarray([sizes]))
+@given(st.lists(st.floats(0.012, 0.1), min_size=3, max_size=3), st.floats(2.0, 12.0))
+def test_a_void_is_a_superellipsoid_with_a_soft_edge(sizes: list[float], roundness: float) -> None:
     points, weights = tetrahedron_rule(12)
     corners = NODES[SPACE.mesh.cells]
     inside = np.einsum("pa,cax->cpx", points, corners)
-    box = np.exp(-((((inside - np.array(MIDDLE)) / sizes) ** 8).sum(-1))) @ weights
-    found = factor_of(Void(one(0.9), place))
-    np.testing.assert_allclose(found, 1 - 0.9 * box, atol=0.02)
+    ways = np.abs(inside - np.array(MIDDLE)) / sizes
+    radius = (ways**roundness).sum(-1) ** (1 / roundness)
+    found = factor_of(Void(one(0.9), within(MIDDLE, sizes, roundness, 8.0)))
+    np.testing.assert_allclose(found, 1 - 0.9 * np.exp(-(radius**8)) @ weights, atol=0.03)
 
 
-def test_a_void_of_one_size_is_one_of_equal_sizes() -> None:
-    even = Place(jnp.asarray([MIDDLE]), jnp.full((1, 3), 0.004))
-    first, second = (factor_of(Void(one(0.9), place)) for place in (at(MIDDLE, 0.004), even))
-    np.testing.assert_allclose(first, second, rtol=1e-14)
-    assert first.min() < 0.5 and first.max() > 0.999
+@given(
+    st.lists(st.floats(-0.05, 0.05), min_size=3, max_size=3),
+    st.floats(2.0, 12.0),
+    st.floats(4.0, 24.0),
+)
+def test_the_form_of_a_void_has_slopes_everywhere(
+    way: list[float], roundness: float, sharpness: float
+) -> None:
+    there = jnp.asarray(way)[None] + jnp.asarray(MIDDLE)
+
+    def share(form: Array) -> Array:
+        place = replace(within(MIDDLE, 0.004), roundness=form[:1], sharpness=form[1:2])
+        return replace(place, size=place.size * form[2:]).shapes(there)[0, 0]
+
+    form = jnp.asarray([roundness, sharpness, 1.0, 1.0, 1.0])
+    slopes = jax.grad(share)(form)
+    assert bool(jnp.isfinite(slopes).all())
+    small = 1e-6
+    for number, slope in enumerate(slopes):
+        ahead, behind = (share(form.at[number].add(sign * small)) for sign in (1, -1))
+        assert float(ahead - behind) / 2 / small == pytest.approx(float(slope), abs=1e-4)
+
+
+def test_in_the_middle_of_a_void_the_form_has_no_slope() -> None:
+    centre = jnp.asarray(MIDDLE)[None]
+    slopes = jax.grad(lambda place: place.shapes(centre)[0, 0])(within(MIDDLE, 0.004))
+    assert all(float(jnp.abs(leaf).max()) < 1e-9 for leaf in jax.tree.leaves(slopes))
 
 
 def test_a_void_in_a_body_whose_conductivity_is_a_tensor() -> None:

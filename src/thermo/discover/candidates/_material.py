@@ -11,6 +11,7 @@ from jaxtyping import Array, Float
 from thermo.discover._candidate import (
     AbstractHeatCandidate,
     Card,
+    Inclusion,
     Place,
     Transition,
     cell_means,
@@ -122,9 +123,10 @@ class AnisotropicConductivity(AbstractHeatCandidate):
 
 @final
 class Void(AbstractHeatCandidate):
-    """A place that conducts poorly, k (1 - strength exp(-sum of (way / size)^8)).
+    """A body within that conducts poorly, k (1 - strength inside), inside as of an `Inclusion`.
 
-    Its sizes along x, y and z are free, so that it can be flat as a crack or a delamination.
+    Its sizes along x, y and z are free, so that it can be flat as a crack or a delamination, and so
+    are its form, from an ellipsoid to a box, and how sharp its edge is.
     """
 
     card: ClassVar[Card] = Card(
@@ -134,12 +136,12 @@ class Void(AbstractHeatCandidate):
         split_by="heat from the other side",
     )  # fmt: skip
     strength: Float[Array, " parts"]
-    place: Place
+    place: Inclusion
 
     def to_model(self, model: Model, under: Conditions) -> Model:
         """The model [SI] with voids in it."""
         del under
-        boxes = cell_means(model.space, self.place.boxes)
-        factor = jnp.maximum(1 - self.strength @ boxes, _LEAST)
+        inside = cell_means(model.space, self.place.shapes)
+        factor = jnp.maximum(1 - self.strength @ inside, _LEAST)
         shape = (-1,) + (1,) * (model.conductivity.ndim - 1)
         return replace(model, conductivity=model.conductivity * factor.reshape(shape))
