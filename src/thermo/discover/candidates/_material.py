@@ -26,8 +26,6 @@ REFERENCE = 293.15
 
 # A void lets this share of the heat through [1], so that temperatures inside stay defined.
 _LEAST = 1e-4
-# Slope of a factor [1/m] that counts as none: in a body of a metre it changes by a thousandth.
-_FLAT = 1e-3
 
 
 def _law(slope: Float[Array, ""]) -> PolynomialLaw:
@@ -170,14 +168,15 @@ def layered(
     cells do not resolve, through the very cells that it fills.
 
     Arguments: `whole`: D, not weakened [W/m/K]; `along`, `across`: means of the factors [1];
-    `normal`: N, the mean product of the factor's slopes, zero where it has none [1/m2].
+    `normal`: N, of any size, the mean product of the factor's slopes, zero where it has none.
 
     Source: Milton, The Theory of Composites (2002), chapter 9, laminates.
     """
     if whole.ndim == 1:
         whole = whole[:, None, None] * jnp.eye(3)
     turned = whole @ normal @ whole
-    size, plain = (jnp.trace(one, axis1=1, axis2=2) for one in (normal @ whole, whole))
-    # Where no factor changes both means are alike but for rounding, and no normal is known.
-    part = (across - along) / (size + _FLAT**2 * plain)
+    size = jnp.trace(normal @ whole, axis1=1, axis2=2)
+    # Where no factor changes both means are alike, and there is no normal.
+    size = jnp.where(size > 0, size, jnp.inf)
+    part = (across - along) / size
     return along[:, None, None] * whole + part[:, None, None] * turned
