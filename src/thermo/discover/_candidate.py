@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, final
 
@@ -10,7 +11,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from thermo.inverse import AbstractHeatAddition, AbstractReadingAddition
-from thermo.physics import Discretisation
+from thermo.physics import Discretisation, volume_rule
 
 FINE: Final = 5
 """Degree of the rule [1] for what varies within a cell: light that is soon gone, edges of voids."""
@@ -149,6 +150,15 @@ def on_faces(space: Discretisation, place: Place) -> Float[Array, "places faces"
     """Mean of each place's shape over each face [1]."""
     share = face_shares(space)
     return jnp.einsum("pfq,fq->pf", place.shapes(jnp.asarray(space.face_point)), share)
+
+
+def cell_means(
+    space: Discretisation, shapes: Callable[[Float[Array, "points cells 3"]], Shapes]
+) -> Float[Array, "places cells"]:
+    """Mean of each place's shape over each cell [1], which may vary within a cell."""
+    rule = volume_rule(space, FINE)
+    whole = jnp.einsum("pqc,qc->pc", shapes(rule.at), rule.weight)
+    return whole / rule.weight.sum(0)
 
 
 def face_shares(space: Discretisation) -> Float[Array, "faces points"]:

@@ -37,7 +37,7 @@ from thermo.discover.candidates import (
     TemperatureDependentHeatCapacity,
     Void,
 )
-from thermo.discover.candidates._material import REFERENCE, layered
+from thermo.discover.candidates._material import REFERENCE
 from thermo.inverse import Conditions
 from thermo.physics import stored_heat
 from thermo.physics._balance import assemble, equivalent
@@ -194,7 +194,7 @@ def test_a_tensor_has_its_strengths_along_the_axes() -> None:
 
 
 def factor_of(candidate: Void) -> np.ndarray:
-    """What is left of the conductivity in each cell, a tensor [1]."""
+    """What is left of the conductivity in each cell [1]."""
     conductivity = candidate.to_model(bare(hot()), hot()).conductivity
     return np.asarray(conductivity) / STATED.conductivity
 
@@ -208,12 +208,9 @@ def test_voids_leave_a_little_conductivity(strengths: list[float], sizes: list[f
     two = jnp.ones(2)
     places = Inclusion(centres, jnp.asarray([sizes, [0.003] * 3]), 3 * two, 8 * two)
     factor = factor_of(Void(jnp.asarray(strengths), places))
-    np.testing.assert_allclose(factor, factor.swapaxes(1, 2), atol=1e-12)
-    ends = np.linalg.eigvalsh(factor)
-    assert ends.min() > 1e-4 * (1 - 1e-9) and ends.max() <= 1 + 1e-12
+    assert factor.min() > 1e-4 * (1 - 1e-12) and factor.max() <= 1
     alone = factor_of(Void(jnp.asarray([strengths[0], 0.0]), places))
-    # Along layers is their mean, the largest there is.
-    assert np.all(ends[:, 2] <= np.linalg.eigvalsh(alone)[:, 2] + 1e-12)
+    assert np.all(factor <= alone + 1e-12)
 
 
 @given(st.lists(st.floats(0.012, 0.1), min_size=3, max_size=3), st.floats(2.0, 12.0))
@@ -223,42 +220,8 @@ def test_a_void_is_a_superellipsoid_with_a_soft_edge(sizes: list[float], roundne
     inside = np.einsum("pa,cax->cpx", points, corners)
     ways = np.abs(inside - np.array(MIDDLE)) / sizes
     radius = (ways**roundness).sum(-1) ** (1 / roundness)
-    left = 1 - 0.9 * np.exp(-(radius**8))
-    found = np.linalg.eigvalsh(factor_of(Void(one(0.9), within(MIDDLE, sizes, roundness, 8.0))))
-    np.testing.assert_allclose(found[:, 2], left @ weights, atol=0.03)
-    assert np.all(found[:, 0] >= 1 / (1 / left @ weights) - 0.06)
-
-
-def test_a_flat_void_stops_heat_across_and_not_along() -> None:
-    flat = within(MIDDLE, [10.0, 10.0, 0.0012], 12.0)
-    factor = factor_of(Void(one(0.99), flat))
-    cut = factor[:, 0, 0] < 0.999
-    assert cut.any() and not cut.all()
-    points, weights = tetrahedron_rule(24)
-    at = np.einsum("pa,cax->cpx", points, NODES[SPACE.mesh.cells])
-    left = 1 - 0.99 * np.exp(-(np.abs((at[..., 2] - MIDDLE[2]) / 0.0012) ** 8))
-    along, across = left @ weights, 1 / (1 / left @ weights)
-    np.testing.assert_allclose(factor[:, 0, 0], along, atol=0.12)
-    # The mean over cells is that of the resistances, one behind the other.
-    np.testing.assert_allclose(np.mean(1 / factor[:, 2, 2]), np.mean(1 / across), rtol=0.1)
-    wanted = np.einsum("c,xy->cxy", factor[:, 0, 0], np.diag([1.0, 1.0, 0.0]))
-    wanted[:, 2, 2] = factor[:, 2, 2]
-    np.testing.assert_allclose(factor, wanted, atol=1e-9)
-
-
-@given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.floats(0.05, 1.0), st.floats(0.05, 1.0))
-def test_layers_turn_with_their_normal_whatever_the_tensor(
-    first: float, second: float, one_part: float, other: float
-) -> None:
-    whole = np.diag([1.0, 2.0, 5.0])
-    normal = np.array([first, second, 0.7])
-    along, across = (one_part + other) / 2, 2 / (1 / one_part + 1 / other)
-    found = layered(*map(jnp.asarray, ([whole], [along], [across], [np.outer(normal, normal)])))
-    # Across: the flux is the same in all layers. Along: the slope is.
-    np.testing.assert_allclose(normal @ found[0] @ normal, across * normal @ whole @ normal)
-    aside = np.cross(normal, [0.3, -0.2, 0.9])
-    slope = aside - (normal @ whole @ aside) / (normal @ whole @ normal) * normal
-    np.testing.assert_allclose(found[0] @ slope, along * whole @ slope, atol=1e-12)
+    found = factor_of(Void(one(0.9), within(MIDDLE, sizes, roundness, 8.0)))
+    np.testing.assert_allclose(found, 1 - 0.9 * np.exp(-(radius**8)) @ weights, atol=0.03)
 
 
 @given(
@@ -293,9 +256,7 @@ def test_in_the_middle_of_a_void_the_form_has_no_slope() -> None:
 def test_a_void_in_a_body_whose_conductivity_is_a_tensor() -> None:
     under = hot()
     tensor = AnisotropicConductivity(jnp.asarray([0.0, 0.0, 1.0])).to_model(bare(under), under)
-    # As large as the body: it weakens all directions alike.
-    large = Void(one(0.8), within(MIDDLE, 1.0))
-    both, alone = (
-        np.asarray(large.to_model(one, under).conductivity) for one in (tensor, bare(under))
-    )
-    np.testing.assert_allclose(both, alone @ np.diag([1.0, 1.0, 2.0]), rtol=1e-6, atol=1e-12)
+    both = MADE["void"](0.8).to_model(tensor, under)
+    alone = MADE["void"](0.8).to_model(bare(under), under)
+    ratio = np.asarray(both.conductivity) / np.asarray(alone.conductivity)[:, None, None]
+    np.testing.assert_allclose(ratio, np.tile(np.diag([1.0, 1.0, 2.0]), (len(ratio), 1, 1)))

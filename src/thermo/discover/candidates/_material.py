@@ -5,20 +5,19 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import ClassVar, final
 
-import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from thermo.discover._candidate import (
-    FINE,
     AbstractHeatCandidate,
     Card,
     Inclusion,
     Place,
     Transition,
+    cell_means,
 )
 from thermo.inverse import Conditions
-from thermo.physics import Model, volume_rule
+from thermo.physics import Model
 from thermo.physics.effects import PolynomialLaw, TransitionLaw
 
 REFERENCE = 293.15
@@ -140,43 +139,9 @@ class Void(AbstractHeatCandidate):
     place: Inclusion
 
     def to_model(self, model: Model, under: Conditions) -> Model:
-        """The model [SI] with voids in it; cells that an edge cuts conduct as layers do."""
+        """The model [SI] with voids in it."""
         del under
-        rule, inside = volume_rule(model.space, FINE), self.place.shapes
-        share = rule.weight / rule.weight.sum(0)
-
-        def left(at: Float[Array, "points cells 3"]) -> Float[Array, "points cells"]:
-            return jnp.maximum(1 - jnp.einsum("p,pqc->qc", self.strength, inside(at)), _LEAST)
-
-        factor = left(rule.at)
-        slope = jax.grad(lambda at: left(at).sum())(rule.at)
-        along, across = jnp.sum(share * factor, 0), 1 / jnp.sum(share / factor, 0)
-        normal = jnp.einsum("qc,qcx,qcy->cxy", share, slope, slope)
-        return replace(model, conductivity=layered(model.conductivity, along, across, normal))
-
-
-def layered(
-    whole: Float[Array, " cells"] | Float[Array, "cells 3 3"],
-    along: Float[Array, " cells"],
-    across: Float[Array, " cells"],
-    normal: Float[Array, "cells 3 3"],
-) -> Float[Array, "cells 3 3"]:
-    """Conductivity [W/m/K] of cells filled with layers of one material, weakened by factors.
-
-    along D + (across - along) D N D / tr(N D): heat flows along layers through their mean factor
-    and across them through their harmonic mean. The mean alone lets heat around a thin layer that
-    cells do not resolve, through the very cells that it fills.
-
-    Arguments: `whole`: D, not weakened [W/m/K]; `along`, `across`: means of the factors [1];
-    `normal`: N, of any size, the mean product of the factor's slopes, zero where it has none.
-
-    Source: Milton, The Theory of Composites (2002), chapter 9, laminates.
-    """
-    if whole.ndim == 1:
-        whole = whole[:, None, None] * jnp.eye(3)
-    turned = whole @ normal @ whole
-    size = jnp.trace(normal @ whole, axis1=1, axis2=2)
-    # Where no factor changes both means are alike, and there is no normal.
-    size = jnp.where(size > 0, size, jnp.inf)
-    part = (across - along) / size
-    return along[:, None, None] * whole + part[:, None, None] * turned
+        inside = cell_means(model.space, self.place.shapes)
+        factor = jnp.maximum(1 - self.strength @ inside, _LEAST)
+        shape = (-1,) + (1,) * (model.conductivity.ndim - 1)
+        return replace(model, conductivity=model.conductivity * factor.reshape(shape))
