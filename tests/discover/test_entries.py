@@ -209,7 +209,7 @@ def test_a_point_moves_entry_by_entry(point: Extended, flat: np.ndarray) -> None
     np.testing.assert_allclose(void.place.centre[1], [0.016, 0.003, 0.008])
     np.testing.assert_allclose(void.place.size[1], [0.004, 0.005, 0.008])
     np.testing.assert_allclose(void.place.size[0], before.place.size[0])
-    np.testing.assert_allclose(void.place.roundness, [4.0, 3.5])
+    np.testing.assert_allclose(void.place.squareness, [4.0, 3.5])
     for name, values in point.fields.items():
         np.testing.assert_array_equal(after.fields[name], values)
     np.testing.assert_allclose(ravel_pytree(after)[0], flat + change, rtol=1e-14)

@@ -174,13 +174,13 @@ def at(place: tuple[float, float, float], size: float) -> Place:
 def within(
     where: tuple[float, float, float],
     size: float | list[float],
-    roundness: float = 4.0,
+    squareness: float = 4.0,
     sharpness: float = 8.0,
 ) -> Inclusion:
     """A body within the body, of one size or of one along each axis [m]."""
     sizes = jnp.broadcast_to(jnp.asarray(size), (1, 3))
     return Inclusion(
-        jnp.asarray([where]), sizes, jnp.asarray([roundness]), jnp.asarray([sharpness])
+        jnp.asarray([where]), sizes, jnp.asarray([squareness]), jnp.asarray([sharpness])
     )
 
 

@@ -20,7 +20,7 @@ FINE: Final = 5
 _MIDDLE: Final = 1e-12
 _FAR: Final = 100.0
 
-ROUNDNESS: Final = (4.0, 2.0, 12.0)
+SQUARENESS: Final = (4.0, 2.0, 12.0)
 """Of an `Inclusion` where it is looked for at first, the least and the largest [1]."""
 
 SHARPNESS: Final = (8.0, 4.0, 24.0)
@@ -78,10 +78,10 @@ class Place(eqx.Module):
 
 @final
 class Inclusion(eqx.Module):
-    """Bodies within the body: exp(-r^sharpness), r^roundness = sum of |way / size|^roundness.
+    """Bodies within the body: exp(-r^sharpness), r^squareness = sum of |way / size|^squareness.
 
     - `centre`, `size`: (places, 3), along x, y and z [m].
-    - `roundness`: (places,) [1], 2 for an ellipsoid, more for a box; `sharpness`: (places,) of the
+    - `squareness`: (places,) [1], 2 for an ellipsoid, more for a box; `sharpness`: (places,) of the
       edge [1].
 
     Source: Barr, IEEE Computer Graphics and Applications 1 (1981) 11, the superellipsoid.
@@ -89,21 +89,21 @@ class Inclusion(eqx.Module):
 
     centre: Float[Array, "places 3"]
     size: Float[Array, "places 3"]
-    roundness: Float[Array, " places"]
+    squareness: Float[Array, " places"]
     sharpness: Float[Array, " places"]
 
     def shapes(self, at: Float[Array, "*any 3"]) -> Float[Array, "places *any"]:
         """Share of each place's full strength [1] at points [m]."""
-        places = zip(self.centre, self.size, self.roundness, self.sharpness, strict=True)
-        return jnp.stack([_inside((at - c) / s, round_, sharp) for c, s, round_, sharp in places])
+        places = zip(self.centre, self.size, self.squareness, self.sharpness, strict=True)
+        return jnp.stack([_inside((at - c) / s, square, sharp) for c, s, square, sharp in places])
 
 
 def _inside(
-    way: Float[Array, "*any 3"], roundness: Float[Array, ""], sharpness: Float[Array, ""]
+    way: Float[Array, "*any 3"], squareness: Float[Array, ""], sharpness: Float[Array, ""]
 ) -> Float[Array, "*any"]:
     # Within the floor and the ceiling powers and their slopes by the exponents are finite.
     squares = jnp.clip(way**2, _MIDDLE, _FAR)
-    radius = jnp.sum(squares ** (roundness / 2), -1) ** (1 / roundness)
+    radius = jnp.sum(squares ** (squareness / 2), -1) ** (1 / squareness)
     return jnp.exp(-(jnp.minimum(radius, _FAR) ** sharpness))
 
 

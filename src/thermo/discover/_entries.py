@@ -10,8 +10,8 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from thermo.discover._candidate import (
-    ROUNDNESS,
     SHARPNESS,
+    SQUARENESS,
     Candidate,
     Card,
     Inclusion,
@@ -135,7 +135,7 @@ def _of_place(
         return [free(where, sizes, middle - far, middle + far), *found]
     if isinstance(numbers, Inclusion):
         for leaf, (first, least, most) in (
-            (numbers.roundness, ROUNDNESS),
+            (numbers.squareness, SQUARENESS),
             (numbers.sharpness, SHARPNESS),
         ):
             found.append(free(leaf, *(np.array([one]) for one in (0.5 * first, least, most))))

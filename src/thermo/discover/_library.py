@@ -11,8 +11,8 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from thermo.discover._candidate import (
-    ROUNDNESS,
     SHARPNESS,
+    SQUARENESS,
     Candidate,
     Inclusion,
     Place,
@@ -117,7 +117,7 @@ def library(setting: Setting) -> tuple[Candidate, ...]:
     # Along each axis a share of the body there, so that a void is as flat as the body is.
     sizes = jnp.broadcast_to(jnp.asarray(_SIZE * extent), inside.shape)
     ones = jnp.ones(len(inside))
-    flat = Inclusion(jnp.asarray(inside), sizes, ROUNDNESS[0] * ones, SHARPNESS[0] * ones)
+    flat = Inclusion(jnp.asarray(inside), sizes, SQUARENESS[0] * ones, SHARPNESS[0] * ones)
 
     def zero(parts: int = 1) -> Float[Array, " parts"]:
         return jnp.zeros(parts)

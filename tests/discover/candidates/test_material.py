@@ -214,13 +214,13 @@ def test_voids_leave_a_little_conductivity(strengths: list[float], sizes: list[f
 
 
 @given(st.lists(st.floats(0.012, 0.1), min_size=3, max_size=3), st.floats(2.0, 12.0))
-def test_a_void_is_a_superellipsoid_with_a_soft_edge(sizes: list[float], roundness: float) -> None:
+def test_a_void_is_a_superellipsoid_with_a_soft_edge(sizes: list[float], squareness: float) -> None:
     points, weights = tetrahedron_rule(12)
     corners = NODES[SPACE.mesh.cells]
     inside = np.einsum("pa,cax->cpx", points, corners)
     ways = np.abs(inside - np.array(MIDDLE)) / sizes
-    radius = (ways**roundness).sum(-1) ** (1 / roundness)
-    found = factor_of(Void(one(0.9), within(MIDDLE, sizes, roundness, 8.0)))
+    radius = (ways**squareness).sum(-1) ** (1 / squareness)
+    found = factor_of(Void(one(0.9), within(MIDDLE, sizes, squareness, 8.0)))
     np.testing.assert_allclose(found, 1 - 0.9 * np.exp(-(radius**8)) @ weights, atol=0.03)
 
 
@@ -230,15 +230,15 @@ def test_a_void_is_a_superellipsoid_with_a_soft_edge(sizes: list[float], roundne
     st.floats(4.0, 24.0),
 )
 def test_the_form_of_a_void_has_slopes_everywhere(
-    way: list[float], roundness: float, sharpness: float
+    way: list[float], squareness: float, sharpness: float
 ) -> None:
     there = jnp.asarray(way)[None] + jnp.asarray(MIDDLE)
 
     def share(form: Array) -> Array:
-        place = replace(within(MIDDLE, 0.004), roundness=form[:1], sharpness=form[1:2])
+        place = replace(within(MIDDLE, 0.004), squareness=form[:1], sharpness=form[1:2])
         return replace(place, size=place.size * form[2:]).shapes(there)[0, 0]
 
-    form = jnp.asarray([roundness, sharpness, 1.0, 1.0, 1.0])
+    form = jnp.asarray([squareness, sharpness, 1.0, 1.0, 1.0])
     slopes = jax.grad(share)(form)
     assert bool(jnp.isfinite(slopes).all())
     small = 1e-6
