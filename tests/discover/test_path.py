@@ -10,7 +10,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from lit_box import MESH, STATED
+from lit_box import MESH, STATED, within
 from standings import VALUES, standing
 from verdicts import one_round
 
@@ -190,6 +190,22 @@ def test_what_only_cells_raise_is_told(
     assert all("4.2 passed the threshold" in one for one in remarks)
     monkeypatch.setattr(_path, "finest", lambda bench: bench)
     assert _path.checked(began, (), before, silent(), []) == (began, before), "no smaller cells"
+
+
+def test_the_thinnest_place_at_work_is_that_of_a_void_along_its_shortest_axis() -> None:
+    flat = within((0.0, 0.0, 0.0), [0.004, 0.005, 0.003])
+    lag = CameraDrift(jnp.ones(1))
+    point = Extended({}, (Void(jnp.ones(1), flat), lag, HiddenSource(jnp.ones(1), PLACE)))
+
+    def at_work(*names: str) -> Standing:
+        made = standing(60.0, 2, active=tuple((name, 0) for name in names))
+        object.__setattr__(made, "point", point)
+        return made
+
+    assert _path.thinnest(at_work("void")) == pytest.approx(0.003)
+    assert _path.thinnest(at_work("hidden_source", "void")) == pytest.approx(0.003)
+    assert _path.thinnest(at_work("hidden_source")) == 1.0
+    assert _path.placed(at_work("void")) and not _path.placed(at_work(lag.card.name))
 
 
 def pruned_to(

@@ -63,11 +63,11 @@ class Place(eqx.Module):
     """Where effects are: exp(-r^2 / (2 size^2)) about a centre, one each.
 
     - `centre`: (places, 3) [m]; None where the candidate itself says where it begins.
-    - `size`: (places,) [m]; a depth where there is no centre. Or (places, 3), along x, y and z.
+    - `size`: (places,) [m]; a depth where there is no centre.
     """
 
     centre: Float[Array, "places 3"] | None
-    size: Float[Array, " places"] | Float[Array, "places 3"]
+    size: Float[Array, " places"]
 
     def shapes(self, at: Float[Array, "*any 3"]) -> Float[Array, "places *any"]:
         """Share of each place's full strength [1] at points [m]."""
@@ -101,10 +101,10 @@ class Inclusion(eqx.Module):
 def _inside(
     way: Float[Array, "*any 3"], squareness: Float[Array, ""], sharpness: Float[Array, ""]
 ) -> Float[Array, "*any"]:
-    # Within the floor and the ceiling powers and their slopes by the exponents are finite.
+    # Within these bounds powers, and their slopes by the exponents, are finite.
     squares = jnp.clip(way**2, _MIDDLE, _FAR)
     radius = jnp.sum(squares ** (squareness / 2), -1) ** (1 / squareness)
-    return jnp.exp(-(jnp.minimum(radius, _FAR) ** sharpness))
+    return jnp.exp(-(radius**sharpness))
 
 
 @final

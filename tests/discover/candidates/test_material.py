@@ -221,11 +221,23 @@ def test_a_void_is_a_superellipsoid_with_a_soft_edge(sizes: list[float], squaren
     ways = np.abs(inside - np.array(MIDDLE)) / sizes
     radius = (ways**squareness).sum(-1) ** (1 / squareness)
     found = factor_of(Void(one(0.9), within(MIDDLE, sizes, squareness, 8.0)))
-    np.testing.assert_allclose(found, 1 - 0.9 * np.exp(-(radius**8)) @ weights, atol=0.03)
+    np.testing.assert_allclose(found, 1 - 0.9 * np.exp(-(radius**8)) @ weights, atol=0.02)
+
+
+@given(st.floats(2.0, 12.0), st.floats(4.0, 24.0), st.floats(0.1, 2.0))
+def test_on_an_axis_only_the_sharpness_counts_and_on_a_diagonal_both(
+    squareness: float, sharpness: float, way: float
+) -> None:
+    body = within((0.0, 0.0, 0.0), [0.001, 0.002, 0.003], squareness, sharpness)
+    along = jnp.asarray([[0.0, 0.002 * way, 0.0], [0.001 * way, 0.002 * way, 0.003 * way]])
+    radius = way * np.array([1.0, 3 ** (1 / squareness)])
+    np.testing.assert_allclose(body.shapes(along)[0], np.exp(-(radius**sharpness)), atol=1e-6)
 
 
 @given(
-    st.lists(st.floats(-0.05, 0.05), min_size=3, max_size=3),
+    # About its edge, and a body away.
+    st.lists(st.floats(-0.005, 0.005), min_size=3, max_size=3)
+    | st.lists(st.floats(-0.05, 0.05), min_size=3, max_size=3),
     st.floats(2.0, 12.0),
     st.floats(4.0, 24.0),
 )
@@ -245,6 +257,11 @@ def test_the_form_of_a_void_has_slopes_everywhere(
     for number, slope in enumerate(slopes):
         ahead, behind = (share(form.at[number].add(sign * small)) for sign in (1, -1))
         assert float(ahead - behind) / 2 / small == pytest.approx(float(slope), abs=1e-4)
+
+
+def test_a_small_void_weakens_what_it_fills_and_nothing_else() -> None:
+    factor = factor_of(Void(one(0.9), within(MIDDLE, 0.004)))
+    assert factor.min() < 0.5 and factor.max() > 0.999
 
 
 def test_in_the_middle_of_a_void_the_form_has_no_slope() -> None:
