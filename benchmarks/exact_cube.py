@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from hidden._heat import IMPLICIT, SIGMA
 from numpy.typing import NDArray
 from scipy.optimize import root_scalar
 from scipy.sparse import csc_array
@@ -28,13 +29,11 @@ from scipy.sparse.linalg import SuperLU, splu
 from skfem import Basis, ElementHex2, FacetBasis, LinearForm, MeshHex
 from skfem.models.poisson import laplace, mass
 
-SIGMA = 5.670374419e-8
 HALF = 0.02
 FRAME = 0.1
 THIN = (1e-3, 8e-3)
 """First cell below the lit face and below the others [m], over the number of cells."""
-# TR-BDF2 (Bank et al. 1985): its first stage ends at this share of a step.
-GAMMA = 2 - np.sqrt(2.0)
+# Of both rates before the last stage of TR-BDF2, over its step.
 WEIGHT = np.sqrt(2.0) / 4
 CUTS = (64, 16, 4, 4, 4, *[2] * 11)
 """Steps of the first frames after a switch [1]; one each of those after them."""
@@ -129,7 +128,7 @@ class Heat:
     def step(self, heat: Values, span: float, lit: bool) -> Values:
         """Temperatures after a step of TR-BDF2."""
         before, begun = self.cube.mass @ heat, self.flow(heat, lit)
-        half = GAMMA / 2 * span
+        half = IMPLICIT * span
         between = self.implicit(before + half * begun, half, lit, heat)
         both = WEIGHT * span * (begun + self.flow(between, lit))
         return self.implicit(before + both, half, lit, between)
