@@ -1,6 +1,6 @@
 """How often 95 % intervals hold the truth, over draws of a camera's noise on the paper's scenes.
 
-    python benchmarks/coverage.py SCENES [--cube outputs/exact] [--draws 200] [--nodes 15000]
+    python benchmarks/coverage.py SCENES [--exact outputs/exact] [--draws 200] [--nodes 15000]
 
 SCENES holds scenes that another program simulated without noise. On each, cooling and heating are
 looked at together for a few values of the body, on a mesh of our own: by a camera (every sample and
@@ -13,9 +13,9 @@ around the truth, as its deviations of about a per cent and less allow.
 deviation of the fits over the one that it foretells, `bias` their mean error over it; `identify` is
 that of the interval that `thermo identify` gives after a fit of one value each, which allows for
 the third of what cells and steps make wrong that the fit may have left. The columns of `plain` are
-without what `mesh.corrected` does. A coverage of 200 draws is known to 1.5 %. `--cube` adds the
-cube as `exact_cube.py` has simulated it, which stands for the given one in the means. Leaves
-benchmarks/results/coverage.csv.
+without what `mesh.corrected` does. A coverage of 200 draws is known to 1.5 %. `--exact` adds the
+scenes that `exact_scenes.py` has simulated anew, which stand for the given ones in the means.
+Leaves benchmarks/results/coverage.csv.
 """
 
 from __future__ import annotations
@@ -190,9 +190,9 @@ def rows(around: Around, draws: int) -> Iterator[tuple[str, list[float], float]]
 
 
 def pooled(shares: dict[tuple[str, str], float]) -> float:
-    """Mean [1] over three bodies, the exact cube in place of the given one where it is there."""
-    twice = any(name == "exact cube" for name, _ in shares)
-    return float(np.mean([one for (name, _), one in shares.items() if not twice or name != "cube"]))
+    """Mean [1] over three bodies, those made anew in place of the given ones."""
+    kept = [one for (name, what), one in shares.items() if (f"exact {name}", what) not in shares]
+    return float(np.mean(kept))
 
 
 def main() -> None:
@@ -201,11 +201,11 @@ def main() -> None:
     parser.add_argument("scenes", type=Path)
     parser.add_argument("--draws", type=int, default=200)
     parser.add_argument("--nodes", type=int, default=15_000)
-    parser.add_argument("--cube", type=Path, help="where exact_cube.py has left the cube")
+    parser.add_argument("--exact", type=Path, help="where exact_scenes.py has left scenes")
     asked = parser.parse_args()
     folders = {name: asked.scenes / name for name in SCENES}
-    if asked.cube:
-        folders["exact cube"] = asked.cube / "cube"
+    if asked.exact:
+        folders |= {f"exact {path.name}": path for path in sorted(asked.exact.iterdir())}
     lines = []
     for kind, (samples, every) in READINGS.items():
         covered, told = {}, {}

@@ -2,9 +2,9 @@
 
     python benchmarks/mesh_volumes.py SCENES [NAME ...]
 
-Corners of a mesh lie on a curved surface and its flat faces within: a body of too little volume
-heats up too fast, and its capacity comes out too high. Prints by scene and mesh the nodes, and the
-volume and the area over the surface's, less one.
+A body of too little volume heats up too fast, and its capacity comes out too high. The mesher's
+faces lie within a curved surface; `tetrahedralise` moves them out. Prints by scene and mesh the
+nodes, and the volume and the area over the surface's, less one.
 """
 
 from __future__ import annotations

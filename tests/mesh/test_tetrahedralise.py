@@ -19,7 +19,7 @@ from thermo.mesh import (
     tetrahedralise,
 )
 from thermo.mesh import _tetrahedralise as module
-from thermo.mesh._cache import content_key, default_cache, load_cells, save_cells
+from thermo.mesh._cache import FORMAT, content_key, default_cache, load_cells, save_cells
 from thermo.mesh._gate import gated_mesh
 
 COARSE = Sizing(skin=0.008, core=0.014, depth=0.01)
@@ -113,17 +113,17 @@ def damaged_entries(nodes, cells):
     from io import BytesIO
 
     stream = BytesIO()
-    np.savez(stream, format=np.array("thermofield-mesh/1"), nodes=nodes, cells=cells)
+    np.savez(stream, format=np.array(FORMAT), nodes=nodes, cells=cells)
     whole = stream.getvalue()
     stream = BytesIO()
     np.savez(stream, format=np.array("another/9"), nodes=nodes, cells=cells)
     other = stream.getvalue()
     stream = BytesIO()
     pickled = np.array([{"a": 1}], dtype=object)
-    np.savez(stream, format=np.array("thermofield-mesh/1"), nodes=pickled, cells=cells)
+    np.savez(stream, format=np.array(FORMAT), nodes=pickled, cells=cells)
     unsafe = stream.getvalue()
     stream = BytesIO()
-    np.savez(stream, format=np.array("thermofield-mesh/1"), nodes=2.0 * nodes, cells=cells)
+    np.savez(stream, format=np.array(FORMAT), nodes=2.0 * nodes, cells=cells)
     wrong = stream.getvalue()
     return {
         "cut": whole[: len(whole) // 2],

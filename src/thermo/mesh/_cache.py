@@ -19,7 +19,7 @@ from thermo._cache_folder import cache_folder
 from ._sizing import Sizing
 from ._surface import Surface
 
-FORMAT: Final = "thermofield-mesh/1"
+FORMAT: Final = "thermofield-mesh/2"
 """Version of this file format and of the code that asks the mesher."""
 
 # NumPy reads a header by Python's own parser, which can fail in two threads at once ("AST

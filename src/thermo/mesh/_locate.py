@@ -11,6 +11,7 @@ from scipy.spatial import KDTree
 
 from thermo.errors import InputError
 
+from ._geometry import triangle_normals
 from ._mesh import Mesh
 from ._nearest import closest_on_triangles
 
@@ -97,18 +98,22 @@ def nearest_triangle(
     centres = corners.mean(axis=1)
     radii = np.linalg.norm(corners - centres[:, None], axis=2).max(axis=1)
     classes = np.floor(np.log2(np.maximum(radii, radii.max() * 2.0**-20) / radii.max()))
+    loose = np.arange(3 * len(corners)).reshape(-1, 3)
+    normals, _ = triangle_normals(corners.reshape(-1, 3), loose)
     face = np.zeros(len(points), np.int64)
     barycentric = np.zeros((len(points), 3))
     distance = np.full(len(points), np.inf)
     for size in np.unique(classes):
         members = np.flatnonzero(classes == size)
         tree = KDTree(centres[members])
-        _search(corners, members, tree, radii[members].max(), points, face, barycentric, distance)
+        widest = radii[members].max()
+        _search(corners, normals, members, tree, widest, points, face, barycentric, distance)
     return face, barycentric, distance
 
 
 def _search(
     corners: np.ndarray,
+    normals: np.ndarray,
     members: np.ndarray,
     tree: KDTree,
     radius: float,
@@ -125,14 +130,18 @@ def _search(
         parts = len(open_points) * count // LARGEST_BATCH + 1
         for rows in np.array_split(np.arange(len(open_points)), parts):
             chosen, tries = open_points[rows], members[hits[rows]]
-            weight, gap = closest_on_triangles(corners[tries], points[chosen][:, None])
-            best = np.argmin(gap, axis=1)
-            line = np.arange(len(rows))
-            better = gap[line, best] < distance[chosen]
-            at = chosen[better]
-            distance[at] = gap[line, best][better]
+            # Long triangles have centres within reach of many points and planes within that of few.
+            off = points[chosen][:, None] - corners[tries, 0]
+            plane = np.abs(np.einsum("spi,spi->sp", off, normals[tries]))
+            row, column = np.nonzero(plane < distance[chosen, None])
+            weight, gap = closest_on_triangles(corners[tries[row, column]], points[chosen[row]])
+            gaps, at_gap = np.full(tries.shape, np.inf), np.zeros(tries.shape, np.int64)
+            gaps[row, column], at_gap[row, column] = gap, np.arange(len(row))
+            best, line = np.argmin(gaps, axis=1), np.arange(len(rows))
+            better = gaps[line, best] < distance[chosen]
+            at, found = chosen[better], at_gap[line, best][better]
+            distance[at], barycentric[at] = gap[found], weight[found]
             face[at] = tries[line, best][better]
-            barycentric[at] = weight[line, best][better]
         # Every triangle not tried yet has its centre beyond the last one tried.
         unsure = reach[:, -1] - radius < distance[open_points]
         open_points = open_points[unsure] if count < len(members) else open_points[:0]

@@ -15,6 +15,7 @@ from thermo.errors import InputError
 
 from . import _mesher_child
 from ._cache import READING, content_key, default_cache, load_cells, save_cells
+from ._conform import conformed
 from ._gate import gated_mesh
 from ._mesh import Mesh
 from ._simplify import simplified
@@ -49,9 +50,10 @@ def tetrahedralise(
     """Fill a checked surface with linear tetrahedra (TET4).
 
     The mesher is fTetWild (Hu, Schneider, Wang, Zorin, Panozzo, ACM Trans. Graph. 39 (2020) 117);
-    its surface stays within the tolerance of the given one. It is not reproducible, so the
-    result is kept in a cache under a hash of the surface, the sizing and the versions. It runs in
-    a process and a folder of its own, and leaves nothing behind.
+    its surface stays within the tolerance of the given one, and is then moved so that the mesh
+    holds as much, see `conformed`. The mesher is not reproducible, so the result is kept in a
+    cache under a hash of the surface, the sizing and the versions. It runs in a process and a
+    folder of its own, and leaves nothing behind.
 
     Arguments:
     - `surface`: closed and turned outward, see `check_surface` [m].
@@ -74,7 +76,8 @@ def tetrahedralise(
             entry.unlink(missing_ok=True)
     fewer = simplified(surface, most=MOST_TRIANGLES, target=TARGET, where=where)
     nodes, cells = _run_mesher(fewer, sizing, time_limit, where)
-    mesh = gated_mesh(nodes, cells, surface, where=where)
+    made = gated_mesh(nodes, cells, surface, where=where)
+    mesh = gated_mesh(conformed(made, surface), made.cells, surface, where=where)
     save_cells(entry, mesh.nodes, mesh.cells)
     # What is kept may be another process's mesh; fits that run side by side then share it.
     kept = load_cells(entry)
