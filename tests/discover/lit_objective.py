@@ -59,7 +59,7 @@ def objective(runs: tuple[Run, ...] = RUNS, controls: int = 3) -> Objective:
 
 def box_task(folder: Path) -> Task:
     """What is asked of the runs, on the surface of the box, which is left in a folder."""
-    trimesh.creation.box(extents=SIZE).export(folder / "box.ply")
+    trimesh.creation.box(bounds=[[0.0] * 3, SIZE]).export(folder / "box.ply")
     material = StatedMaterial("clay", 1100.0, 1400.0, STATED.conductivity)
     scene = Scene(
         folder, "box", folder / "box.ply", "m", material, STATED.convection, STATED.emissivity,

@@ -6,13 +6,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
-from lit_box import MESH, STATED
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from lit_box import MESH, STATED, within
 
 from thermo.discover import _bench
-from thermo.discover._bench import Bench, finest
+from thermo.discover._bench import Bench, edge_of, finest, resolved
 from thermo.errors import InputError
 from thermo.inverse import FINER, Meshing, Ready, mesh_for
+from thermo.mesh import Fine, Mesh
 
 from .lit_objective import box_task, objective
 
@@ -40,3 +44,41 @@ def test_where_there_can_be_none_the_bench_stays(
 
     monkeypatch.setattr(_bench, "mesh_for", refuse)
     assert finest(bench) is bench
+
+
+def test_cells_are_small_about_the_edge_of_a_place_on_both_meshes(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[tuple[float, Fine | None]] = []
+
+    def made(task: Any, stated: Any, by: float, fine: Fine | None = None) -> Mesh:
+        asked.append((by, fine))
+        return MESH
+
+    fakes: dict[str, Any] = {
+        "mesh_for": made,
+        "lay_out": lambda *_: bench.ready,
+        "coarse_tangents": lambda *_: bench.coarse,
+    }
+    for name, fake in fakes.items():
+        monkeypatch.setattr(_bench, name, fake)
+    plain = resolved(bench, np.zeros((0, 3)))
+    assert plain.finer is bench.finer and asked == [(_bench._SMALLER, None)]
+    edges = within((0.010, 0.006, 0.004), [0.002, 0.002, 0.001]).edge(0)[:20]
+    resolved(bench, edges)
+    (first, near), (second, nearer) = sorted(asked[1:], key=lambda one: one[0])
+    assert (first, second) == (_bench._SMALLER, FINER)
+    assert near is not None and nearer is not None
+    assert near.points is edges and nearer.points is edges
+    assert near.edge == pytest.approx(edge_of(bench) / 3)
+    assert nearer.edge == pytest.approx(near.edge / _bench._SMALLER)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.floats(1e-5, 1e-2), st.floats(20.0, 4000.0))
+def test_a_large_place_gets_no_more_nodes_than_it_may(wanted: float, most: float) -> None:
+    edges = within((0.010, 0.006, 0.004), [0.006, 0.003, 0.002]).edge(0)
+    edge = _bench._edge_about(edges, wanted, most)
+    count = len(np.unique(np.floor((edges - edges.min(axis=0)) / edge), axis=0))
+    assert edge >= wanted and count <= most
+    assert edge == wanted or edge < 0.01

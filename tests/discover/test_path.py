@@ -206,6 +206,9 @@ def test_the_thinnest_place_at_work_is_that_of_a_void_along_its_shortest_axis() 
     assert _path.thinnest(at_work("hidden_source", "void")) == pytest.approx(0.003)
     assert _path.thinnest(at_work("hidden_source")) == 1.0
     assert _path.placed(at_work("void")) and not _path.placed(at_work(lag.card.name))
+    edges = _path.edges(at_work("hidden_source", "void"))
+    np.testing.assert_array_equal(edges, flat.edge(0))
+    assert len(_path.edges(at_work("hidden_source"))) == 0
 
 
 def pruned_to(
@@ -282,7 +285,7 @@ def small_cells(
         object.__setattr__(now, "active", (("camera_drift", 0),))
     sizes = iter([{"lamp": 0.2}, {"lamp": 0.05}])
     fakes: dict[str, Any] = {
-        "resolved": lambda bench: bench,
+        "resolved": lambda bench, edges: bench,
         "edge_of": lambda bench: edge,
         "fitted": lambda made, **_: made,
         "rms": lambda _: next(sizes),

@@ -1,5 +1,7 @@
 """Cell sizes from physics, and how well they resolve it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import trimesh
@@ -9,6 +11,7 @@ from scipy.spatial import KDTree
 
 from thermo.errors import InputError
 from thermo.mesh import (
+    Fine,
     Sizing,
     box_mesh,
     expected_nodes,
@@ -73,6 +76,18 @@ def test_field_is_skin_on_the_surface_and_core_inside(cube):
     np.testing.assert_allclose(values[inside & (distance < 5e-4)], 0.002, rtol=0.1)
     np.testing.assert_allclose(values[inside & (distance > 0.010)], 0.006)
     assert values.min() >= 0.002 and values.max() <= 0.006
+
+
+def test_the_field_is_fine_where_it_is_asked_for_and_grows_from_there(cube):
+    spots = np.array([[0.0, 0.0, 0.0], [0.008, 0.0, 0.0]])
+    usual = Sizing(skin=0.004, core=0.008, depth=0.008)
+    sizing = replace(usual, fine=Fine(spots, 0.001))
+    nodes, _, values = sizing_field(cube, sizing)
+    away, _ = KDTree(spots).query(nodes)
+    assert (values[away <= 0.001] == 0.001).all() and (away <= 0.001).any()
+    assert (values <= 0.001 + 0.5 * away).all() and values.max() <= 0.008
+    assert values[away > 0.016].min() >= 0.004
+    assert sizing.divided(2.0).fine is sizing.fine and sizing.divided(2.0).skin == 0.002
 
 
 def test_cloud_leaves_no_gap(cube):

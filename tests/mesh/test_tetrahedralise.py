@@ -4,12 +4,14 @@ import os
 import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from thermo.errors import InputError
 from thermo.mesh import (
+    Fine,
     Sizing,
     Surface,
     box_mesh,
@@ -62,6 +64,21 @@ def test_a_graded_ball_is_finer_at_the_skin(ball, folder):
     assert size[centres > 0.02].mean() < 0.75 * size[in_core].mean()
     regular = 4 / 3 * np.pi * 0.012**3 / (0.004**3 / (6 * np.sqrt(2)))
     assert in_core.sum() < 0.4 * regular
+
+
+def test_cells_are_small_where_that_is_asked_for(cube, folder):
+    rng = np.random.default_rng(0)
+    spots = rng.normal(size=(200, 3))
+    spots *= 0.006 / np.linalg.norm(spots, axis=1, keepdims=True)
+    plain = tetrahedralise(cube, COARSE, cache=folder)
+    mesh = tetrahedralise(cube, replace(COARSE, fine=Fine(spots, 0.003)), cache=folder)
+    assert mesh.volume() == pytest.approx(0.04**3, rel=1e-4)
+
+    def size(one):
+        away = np.linalg.norm(one.nodes[one.cells].mean(axis=1), axis=1)
+        return np.median(cell_volumes(one)[away < 0.009])
+
+    assert np.cbrt(size(plain) / size(mesh)) > 1.5
 
 
 def test_of_two_processes_that_mesh_one_body_the_first_mesh_counts(
@@ -170,8 +187,12 @@ def test_the_key_depends_on_all_that_matters(cube, ball):
         content_key(cube, COARSE, (2.0,)),
         content_key(cube, Sizing(0.008, 0.014, 0.011), (1.0,)),
         content_key(Surface(cube.vertices * 1.001, cube.triangles), COARSE, (1.0,)),
+        *(
+            content_key(cube, replace(COARSE, fine=Fine(np.full((1, 3), at), edge)), (1.0,))
+            for at, edge in ((0.0, 1e-3), (0.0, 2e-3), (0.01, 1e-3))
+        ),
     }
-    assert len(keys) == 5
+    assert len(keys) == 8
     copied = Surface(cube.vertices.copy(), cube.triangles.astype(np.int32))
     assert content_key(copied, COARSE, (1.0,)) in keys
 

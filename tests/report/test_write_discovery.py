@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from verdicts import verdict
 
+from thermo.discover import HeldOut
 from thermo.discover.candidates import LatentHeat
 from thermo.report import discovery_record, discovery_table, write_discovery
 
@@ -29,6 +30,22 @@ def test_each_verdict_says_what_it_is(word: str) -> None:
     assert record["effects"] == named and record["remarks"] == ["A remark."]
     proof = " ".join(record["sentences"])
     assert ("falls from 0.4 to 0.055 K" in proof) == (word != "no_gap")
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "told", "wrong"),
+    [
+        (5.9, 7.4, "rises from 5.9 to 7.4 K", True),
+        (0.051, 0.052, "rises from 0.051 to 0.052 K", False),
+        (0.4, 0.3, "falls from 0.4 to 0.3 K", False),
+    ],
+)
+def test_a_run_on_which_it_does_not_hold_says_so(
+    before: float, after: float, told: str, wrong: bool
+) -> None:
+    proof = {"other": HeldOut(before, after, 0.05, None)}
+    said = " ".join(discovery_record(replace(verdict("named"), held_out=proof))["sentences"])
+    assert told in said and ("does not hold there" in said) == wrong
 
 
 def test_the_contract_of_a_round() -> None:

@@ -74,11 +74,13 @@ class Analysis:
             found, at, runs, more.profiles, more.basins, left_out, more.noise
         )
         record["sentences"] = [
+            # What no interval allows for is read before the intervals.
+            *([] if self.fitted is None else self.fitted.unexplained),
+            *_misfit(more),
             *found.sentences(before=self.fitted is None, means=means),
             *([] if left.posterior is None else field_sentences(left.posterior)),
             *mean_sentences(left.means),
             *_banded(left),
-            *([] if self.fitted is None else self.fitted.unexplained),
             *_doubts(found, more),
             *_from_residuals(more),
             *whole_frames(at),
@@ -132,14 +134,19 @@ def _of_fields(found: Identifiability, left: FieldPosterior) -> Identifiability:
     return replace(found, findings=[means.get(item.name, item) for item in found.findings])
 
 
+def _misfit(more: Refits) -> list[str]:
+    """What is left of the fit beyond noise, in words."""
+    if more.misfit is None or more.misfit <= UNEXPLAINED:
+        return []
+    return [
+        f"Simulation and readings differ by {more.misfit:.2g} times what the noise allows: "
+        "something is missing in the model, and no interval allows for that."
+    ]
+
+
 def _doubts(found: Identifiability, more: Refits) -> list[str]:
-    """What speaks against the intervals, in words."""
+    """What speaks against single intervals, in words."""
     told = []
-    if more.misfit is not None and more.misfit > UNEXPLAINED:
-        told.append(
-            f"Simulation and readings differ by {more.misfit:.2g} times what the noise allows: "
-            "something is missing in the model, and no interval allows for that."
-        )
     for item in found.findings:
         made = more.profiles.get(item.name)
         if made is None:

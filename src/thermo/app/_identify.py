@@ -76,7 +76,7 @@ def identify(settings: Mapping[str, Any]) -> None:
         record = here.leave(out, none, left)
     if not why:
         record = here.leave(out, refit(scene, asked, prior, model_error, refits), left)
-    told = "\n".join(record["sentences"])
+    told = "\n".join([*record["sentences"], *record["left_out"]])
     print(f"{identifiability_table(record)}\n\n{told}\n\n{out / 'identifiability.html'}")
 
 

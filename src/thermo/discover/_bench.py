@@ -29,14 +29,20 @@ from thermo.inverse import (
     start,
     with_defects,
 )
-from thermo.mesh import Mesh
+from thermo.mesh import Fine, Mesh
 from thermo.physics.integrators import Sdirk2
 
 # Edges of a fit's cells over those of cells that resolve an effect's place [1].
 _SMALLER: Final = 1.6
 
+# The same where a place has an edge, and how many nodes more that may take, over those of the fit.
+_AT_EDGES: Final = 3.0
+_MORE: Final = 2.0
+
 FINEST: Final = 3.0
 """Edges of a fit's cells over those that a slight alarm is checked against [1]."""
+
+Points = Float[np.ndarray, "points 3"]
 
 Apart = list[Float[Array, "runs frames samples"]]
 """Temperatures of each group of runs, or differences of them [K]."""
@@ -74,11 +80,29 @@ def set_up(task: Task) -> Bench:
     return Bench(task, ready, coarse_tangents(task, ready), finer)
 
 
-def resolved(bench: Bench) -> Bench:
-    """The bench with cells nearly as small as those that it is measured against [m]."""
-    task, ready = bench.task, bench.ready
-    ready = lay_out(task, mesh_for(task, ready.stated, _SMALLER), ready.stated)
-    return replace(bench, ready=ready, coarse=coarse_tangents(task, ready))
+def resolved(bench: Bench, edges: Points) -> Bench:
+    """The bench with cells nearly as small as those that it is measured against [m].
+
+    About `edges` [m], where what is inside is not what is outside, they are smaller still, and of
+    those that they are measured against as well.
+    """
+    task, stated = bench.task, bench.ready.stated
+    if not len(edges):
+        mesh, finer = mesh_for(task, stated, _SMALLER), bench.finer
+    else:
+        edge = _edge_about(edges, edge_of(bench) / _AT_EDGES, _MORE * len(bench.ready.mesh.nodes))
+        wanted = (_SMALLER, Fine(edges, edge)), (FINER, Fine(edges, edge / _SMALLER))
+        mesh, finer = at_once(lambda one: mesh_for(task, stated, *one), wanted)
+    ready = lay_out(task, mesh, stated)
+    return replace(bench, ready=ready, coarse=coarse_tangents(task, ready), finer=finer)
+
+
+def _edge_about(edges: Points, wanted: float, most: float) -> float:
+    """The least edge from `wanted` [m] on with which about `most` nodes do for all edges [1]."""
+    low = edges.min(axis=0)
+    while len(np.unique(np.floor((edges - low) / wanted), axis=0)) > most:
+        wanted *= 1.2
+    return wanted
 
 
 def finest(bench: Bench) -> Bench:

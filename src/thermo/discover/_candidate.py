@@ -8,6 +8,7 @@ from typing import Final, final
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from thermo.inverse import AbstractHeatAddition, AbstractReadingAddition
@@ -25,6 +26,9 @@ SQUARENESS: Final = (4.0, 2.0, 12.0)
 
 SHARPNESS: Final = (8.0, 4.0, 24.0)
 """The same of its edge [1]; a sharper one falls between the points of the rule over a cell."""
+
+_DIRECTIONS: Final = 4000
+"""In which the edge of an inclusion is looked at [1]."""
 
 Shapes = Float[Array, "places points cells"]
 """Share of each place's full strength [1]."""
@@ -96,6 +100,17 @@ class Inclusion(eqx.Module):
         """Share of each place's full strength [1] at points [m]."""
         places = zip(self.centre, self.size, self.squareness, self.sharpness, strict=True)
         return jnp.stack([_inside((at - c) / s, square, sharp) for c, s, square, sharp in places])
+
+    def edge(self, part: int) -> Float[np.ndarray, "points 3"]:
+        """Points [m] at r = 1 about one of the places, spread over all directions."""
+        turns = np.arange(_DIRECTIONS) + 0.5
+        height = 1 - 2 * turns / _DIRECTIONS
+        around = np.pi * (1 + np.sqrt(5)) * turns
+        flat = np.sqrt(1 - height**2)
+        ways = np.stack([flat * np.cos(around), flat * np.sin(around), height], axis=1)
+        square = float(self.squareness[part])
+        radius = np.sum(np.abs(ways) ** square, axis=1, keepdims=True) ** (1 / square)
+        return np.asarray(self.centre[part]) + ways / radius * np.asarray(self.size[part])
 
 
 def _inside(

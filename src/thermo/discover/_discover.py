@@ -24,7 +24,6 @@ from thermo.discover._bench import (
 )
 from thermo.discover._candidate import Candidate
 from thermo.discover._descent import Ended
-from thermo.discover._held_out import held_out
 from thermo.discover._library import Setting, setting_of
 from thermo.discover._memory import memory_of
 from thermo.discover._met import estimate_of
@@ -36,6 +35,7 @@ from thermo.discover._rounds import candidacies
 from thermo.discover._scores import ScoreTable
 from thermo.discover._search import Standing, at_work, fitted
 from thermo.discover._softening import blocks, error_columns, stamp_columns
+from thermo.discover._told_apart import told_apart
 from thermo.discover._trace import traces
 from thermo.discover._verdict import HeldOut, Verdict
 from thermo.errors import InputError
@@ -108,8 +108,7 @@ def discover(
     bench, pace = replace(bench, memory=memory), Pace(say, memory.spared)
     begun, left = _begin(bench, every, pace)
     path = search(begun, tuple(one for one in every if one.card.law), pace)
-    pace.step("predicting held-out runs")
-    proof = held_out(bench, path.begun.point, path.standing.point)
+    path, proof = told_apart(path, pace)
     return _answer(path, proof, left, time.monotonic() - started)
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Final, final
 
 import numpy as np
+from jaxtyping import Float
 from scipy.stats import chi2
 
 from thermo.discover._bench import FINEST, edge_of, finest, resolved
@@ -72,6 +73,7 @@ class SearchPath:
     - `begun`: where it began, cells and steps checked; `standing`: where it ended, no doubt about
       places allowed for.
     - `table`: the scores before anything was put to work; `calibrated`: its alarms by simulation.
+    - `rivals`: of the last effect at work, those that came near it.
     """
 
     word: Word
@@ -81,6 +83,7 @@ class SearchPath:
     table: ScoreTable
     remarks: list[str]
     calibrated: Calibration
+    rivals: Sequence[Refit] = ()
 
 
 def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace) -> SearchPath:
@@ -133,7 +136,9 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace) -> SearchPa
     last = undoubted(standing, begun.allowed)
     word = "no_gap" if quiet else _word(begun, last, rounds, tables[0])
     together = with_joint_effects(rounds, last, standing)
-    return SearchPath(word, together, begun, last, tables[0], remarks, calibrated(begun, tables[0]))
+    others = rivals.get(last.active[-1], ()) if last.active else ()
+    alarms = calibrated(begun, tables[0])
+    return SearchPath(word, together, begun, last, tables[0], remarks, alarms, others)
 
 
 def checked(
@@ -193,7 +198,7 @@ def on_small_cells(
         return standing, rounds
     pace.step("fitting on smaller cells")
     large = rms(standing)
-    standing = fitted(replace(standing, bench=resolved(standing.bench)), times=2)
+    standing = fitted(replace(standing, bench=resolved(standing.bench, edges(standing))), times=2)
     small, closed = rms(standing), share_closed(before, standing)
     told = ", ".join(f"{name} {one:.3g} to {small[name]:.3g} K" for name, one in large.items())
     name = rounds[-1].effect.card.name
@@ -214,6 +219,16 @@ def thinnest(standing: Standing) -> float:
         if isinstance(place, Place | Inclusion):
             found.append(float(np.min(np.asarray(place.size)[part])))
     return min(found)
+
+
+def edges(standing: Standing) -> Float[np.ndarray, "points 3"]:
+    """Points [m] on the edges of inclusions at work."""
+    found = [np.zeros((0, 3))]
+    for name, part in standing.active:
+        place = next(one.place for one in standing.point.candidates if one.card.name == name)
+        if isinstance(place, Inclusion):
+            found.append(place.edge(part))
+    return np.concatenate(found)
 
 
 def pruned(
@@ -305,6 +320,11 @@ def _word(begun: Standing, last: Standing, rounds: list[Round], table: ScoreTabl
         return "none_of_mine" if gap else "no_gap"
     if share_closed(begun, last) < _CLOSED and by_shapes(last) <= _BY_SHAPES:
         return "none_of_mine"
+    return verdict_of(rounds)
+
+
+def verdict_of(rounds: Sequence[Round]) -> Word:
+    """Of rounds that explain the gap."""
     return "named" if all(len(one.together) == 1 for one in rounds) else "inseparable"
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, final
 
@@ -14,6 +14,7 @@ from thermo.inverse._conditions import conditions, make_model
 from thermo.inverse._properties import Stated, properties
 from thermo.inverse._side_by_side import solve_each
 from thermo.mesh import (
+    Fine,
     Mesh,
     Sizing,
     Surface,
@@ -62,9 +63,18 @@ def duration(scene: Scene) -> float:
 
 
 def make_mesh(
-    scene: Scene, surface: Surface, diffusivity: float, meshing: Meshing, *, finer: float = 1.0
+    scene: Scene,
+    surface: Surface,
+    diffusivity: float,
+    meshing: Meshing,
+    *,
+    finer: float = 1.0,
+    fine: Fine | None = None,
 ) -> Mesh:
-    """Linear mesh [m] graded for a diffusivity [m2/s], all its lengths divided by `finer` [1]."""
+    """Linear mesh [m] graded for a diffusivity [m2/s], all its lengths divided by `finer` [1].
+
+    `fine`: where they are shorter still.
+    """
     sizing = sizing_from_physics(
         surface,
         diffusivity=diffusivity,
@@ -74,6 +84,7 @@ def make_mesh(
     )
     if finer != 1.0:
         sizing = sizing.divided(finer)
+    sizing = replace(sizing, fine=fine)
     return tetrahedralise(surface, sizing, cache=meshing.cache, where=str(scene.surface_path))
 
 

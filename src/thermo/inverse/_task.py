@@ -27,7 +27,7 @@ from thermo.inverse._properties import Stated, check_unknowns
 from thermo.inverse._selection import select_fit_runs, select_unknowns
 from thermo.inverse._smoothing import WEAK_STEP
 from thermo.inverse._stepping import Stepping, fit_frames, planned_steps
-from thermo.mesh import Mesh
+from thermo.mesh import Fine, Mesh
 from thermo.observe import Run, Scene, read_scene
 from thermo.physics import TimeGrid
 
@@ -161,11 +161,14 @@ def stand_in(task: Task) -> Stated:
     return state(scene, initial, guess)
 
 
-def mesh_for(task: Task, stated: Stated, finer: float = 1.0) -> Mesh:
-    """The mesh of a fit [m], or one whose lengths are divided by `finer` [1]."""
+def mesh_for(task: Task, stated: Stated, finer: float = 1.0, fine: Fine | None = None) -> Mesh:
+    """The mesh of a fit [m], or one whose lengths are divided by `finer` [1].
+
+    `fine`: where they are shorter still.
+    """
     scene = task.scene
     diffusivity = stated.of("diffusivity")
-    return make_mesh(scene, surface_of(scene), diffusivity, task.meshing, finer=finer)
+    return make_mesh(scene, surface_of(scene), diffusivity, task.meshing, finer=finer, fine=fine)
 
 
 def lay_out(task: Task, mesh: Mesh, stated: Stated) -> Ready:

@@ -16,13 +16,14 @@ from ._read_surface import read_surface
 from ._resolution import Resolution, resolution
 from ._self_intersection import crossing_pairs
 from ._simplify import simplified
-from ._sizing import Sizing, heat_depth
+from ._sizing import Fine, Sizing, heat_depth
 from ._sizing_from_physics import sizing_from_physics
 from ._surface import Surface
 from ._tetrahedralise import tetrahedralise
 
 __all__ = [
     "Caster",
+    "Fine",
     "Mesh",
     "RayHits",
     "Resolution",

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final, final
 
 import numpy as np
+from jaxtyping import Float
 
 from thermo.errors import InputError
 
@@ -13,6 +14,18 @@ from ._surface import Surface
 
 TOLERANCE: Final = 5e-4
 """How far the mesh may lie off the surface where nothing is stated, over the box diagonal."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Fine:
+    """Where cells are to be small: edges of at most `edge` [m] at `points` (points, 3) [m].
+
+    Away from there they grow by half of the distance.
+    """
+
+    points: Float[np.ndarray, "points 3"]
+    edge: float
 
 
 @final
@@ -25,12 +38,14 @@ class Sizing:
     - `core`: edge length deep inside [m], not below `skin`.
     - `depth`: thickness of the layer over which the length grows from skin to core [m].
     - `tolerance`: how far the mesh may lie off the surface [m]; 5e-4 box diagonals where None.
+    - `fine`: where edges are shorter than that, if anywhere; no count of nodes expects them.
     """
 
     skin: float | int
     core: float | int
     depth: float | int
     tolerance: float | int | None = None
+    fine: Fine | None = None
 
     def __post_init__(self) -> None:
         """Refuse lengths that are not positive or a core finer than the skin."""
@@ -60,9 +75,9 @@ class Sizing:
         return TOLERANCE * surface.diagonal() if self.tolerance is None else float(self.tolerance)
 
     def divided(self, by: float | int) -> Sizing:
-        """Edges [m] divided by a number [1], and a tolerance that is stated; the depth stays."""
+        """Edges [m] divided by a number [1], and a tolerance that is stated; all else stays."""
         tolerance = None if self.tolerance is None else self.tolerance / by
-        return Sizing(self.skin / by, self.core / by, self.depth, tolerance)
+        return Sizing(self.skin / by, self.core / by, self.depth, tolerance, self.fine)
 
 
 def heat_depth(diffusivity: float | int, duration: float | int) -> float:

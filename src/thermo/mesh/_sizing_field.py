@@ -13,16 +13,21 @@ from ._surface import Surface
 LARGEST_LATTICE = 48
 """Most lattice intervals along the longest side of the box."""
 
+GROWTH = 0.5
+"""By how much edges grow over the distance from where they are to be small [1]."""
+
 
 def sizing_field(
     surface: Surface, sizing: Sizing
 ) -> tuple[Float[np.ndarray, "nodes 3"], Int[np.ndarray, "cells 4"], Float[np.ndarray, " nodes"]]:
     """Edge lengths [m] on a lattice of tetrahedra around the surface.
 
-    The length is `skin` at the surface and grows linearly with the distance to `core` at `depth`.
+    The length is `skin` at the surface and grows linearly with the distance to `core` at `depth`;
+    where the sizing is `fine` it is no longer than that says.
     """
     low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
-    step = max(min(sizing.depth, sizing.skin) / 1.5, (high - low).max() / LARGEST_LATTICE)
+    shortest = min(sizing.depth, sizing.skin, np.inf if sizing.fine is None else sizing.fine.edge)
+    step = max(shortest / 1.5, (high - low).max() / LARGEST_LATTICE)
     low, high = low - 2.0 * step, high + 2.0 * step
     counts = np.maximum(np.ceil((high - low) / step).astype(int), 2) + 1
     axes = [np.linspace(a, b, n) for a, b, n in zip(low, high, counts, strict=True)]
@@ -35,7 +40,13 @@ def sizing_field(
     rise = np.clip((distance - 0.5 * step) / sizing.depth, 0.0, 1.0)
     x, y, z = (int(n) for n in counts)
     cells = lattice_cells((x, y, z)).astype(np.int32)
-    return nodes, cells, sizing.skin + (sizing.core - sizing.skin) * rise
+    edges = sizing.skin + (sizing.core - sizing.skin) * rise
+    if sizing.fine is not None:
+        away, _ = KDTree(sizing.fine.points).query(nodes)
+        # All corners of a lattice cell with such a point in it must say so.
+        beyond = np.maximum(away - max(step, sizing.fine.edge), 0.0)
+        edges = np.minimum(edges, sizing.fine.edge + GROWTH * beyond)
+    return nodes, cells, edges
 
 
 def surface_cloud(surface: Surface, spacing: float) -> Float[np.ndarray, "points 3"]:

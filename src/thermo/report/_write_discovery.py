@@ -13,6 +13,7 @@ from thermo.discover import (
     Calibration,
     Candidacy,
     Effect,
+    HeldOut,
     Misfit,
     Round,
     Trace,
@@ -184,11 +185,19 @@ def verdict_sentences(found: Verdict) -> list[str]:
     }[found.verdict]
     for name, one in found.held_out.items():
         if found.rounds:
-            told.append(
-                f"On {name}, which was not fitted, the difference falls from {one.rms_before:.3g} "
-                f"to {one.rms_after:.3g} K, at a noise of {one.noise:.3g} K."
-            )
+            told.append(_proof(name, one))
     return [*told, *found.remarks]
+
+
+def _proof(name: str, one: HeldOut) -> str:
+    """What a run that was not fitted says."""
+    goes = "rises" if one.rms_after > one.rms_before else "falls"
+    wrong = one.rms_after**2 - one.rms_before**2 > one.noise**2
+    more = " What explains the fitted runs does not hold there." if wrong else ""
+    return (
+        f"On {name}, which was not fitted, the difference {goes} from {one.rms_before:.3g} "
+        f"to {one.rms_after:.3g} K, at a noise of {one.noise:.3g} K.{more}"
+    )
 
 
 def _named(effect: Effect) -> str:

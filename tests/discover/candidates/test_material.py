@@ -277,3 +277,20 @@ def test_a_void_in_a_body_whose_conductivity_is_a_tensor() -> None:
     alone = MADE["void"](0.8).to_model(bare(under), under)
     ratio = np.asarray(both.conductivity) / np.asarray(alone.conductivity)[:, None, None]
     np.testing.assert_allclose(ratio, np.tile(np.diag([1.0, 1.0, 2.0]), (len(ratio), 1, 1)))
+
+
+@given(
+    st.floats(2.0, 12.0),
+    st.lists(st.floats(0.001, 0.1), min_size=3, max_size=3),
+)
+def test_the_edge_of_a_void_is_where_a_share_of_1_over_e_is_left(
+    squareness: float, sizes: list[float]
+) -> None:
+    body = within(MIDDLE, sizes, squareness, 8.0)
+    edge = body.edge(0)
+    np.testing.assert_allclose(body.shapes(jnp.asarray(edge))[0], np.exp(-1), rtol=1e-6)
+    # All around: no direction from the middle is far from all that are looked at.
+    ways = (edge - np.array(MIDDLE)) / sizes
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    asked = np.concatenate([np.eye(3), -np.eye(3), np.full((1, 3), 3**-0.5)])
+    assert (asked @ ways.T).max(axis=1).min() > np.cos(0.1)

@@ -1,0 +1,91 @@
+"""Effects that fitted runs do not tell apart, told apart by runs that were held out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from thermo.discover._held_out import held_out
+from thermo.discover._pace import Pace
+from thermo.discover._path import SearchPath, verdict_of
+from thermo.discover._place_doubt import undoubted, with_doubt
+from thermo.discover._rounds import effect_of, rms, with_joint_effects
+from thermo.discover._search import Standing, with_all
+from thermo.discover._verdict import HeldOut
+
+Proof = Mapping[str, HeldOut]
+"""By run that was not fitted."""
+
+# Of two effects that both hold, with strengths known alike, one leaves on another run so many times
+# what the other leaves, or noise, with a chance of 5 % at the most: P(x > 30 / s) P(x < 1 / s) over
+# all scales s of what strengths make wrong there, x a square of one degree of freedom [1].
+_BEYOND: Final = 30.0
+
+
+def told_apart(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
+    """What is predicted of held-out runs; and the path without what they exclude.
+
+    Of the last effect's rivals that explain the fitted runs as well each is predicted there too.
+    One that leaves far more than another is taken out of the set, and where that is the effect at
+    work, the one that leaves least takes its place.
+    """
+    pace.step("predicting held-out runs")
+    begun = path.begun.point
+    proof = held_out(path.standing.bench, begun, path.standing.point)
+    if path.word != "inseparable" or not proof:
+        return path, proof
+    name, together = path.rounds[-1].effect.card.name, path.rounds[-1].together
+    there = {name: (path.standing, proof)}
+    for one in path.rivals:
+        if one.name() in together and one.name() != name:
+            pace.step(f"predicting held-out runs with {one.name()} in place of {name}")
+            standing = undoubted(with_all(one, path.standing), path.begun.allowed)
+            there[one.name()] = standing, held_out(standing.bench, begun, standing.point)
+    out = excluded({each: found for each, (_, found) in there.items()})
+    if not out:
+        return path, proof
+    best = min(there, key=lambda each: excess(there[each][1]))
+    kept = [each for each in together if each not in out]
+    remarks = [*path.remarks, _excluded(best, there[best][1], out)]
+    return _with(replace(path, remarks=remarks), there[best][0], best, kept), there[best][1]
+
+
+def excess(proof: Proof) -> float:
+    """Mean over runs of the square that is left over that of noise, less one [1]."""
+    return float(np.mean([(one.rms_after / one.noise) ** 2 for one in proof.values()]) - 1)
+
+
+def excluded(proofs: Mapping[str, Proof]) -> dict[str, Proof]:
+    """By effect, what those leave that leave far more than the best."""
+    least = max(min(map(excess, proofs.values())), 1.0)
+    return {name: one for name, one in proofs.items() if excess(one) > _BEYOND * least}
+
+
+def _with(path: SearchPath, standing: Standing, best: str, kept: list[str]) -> SearchPath:
+    """The path with the best of those that are kept at work in its last round."""
+    *before, last = path.rounds
+    if best == last.effect.card.name:
+        rounds = [*before, replace(last, together=kept)]
+    else:
+        others = [one for one in kept if one != best]
+        effect = effect_of(standing, standing.active[-1], standing.misfit())
+        fresh = replace(last, effect=effect, together=[best, *others], rms_after=rms(standing))
+        doubted = with_doubt(standing, path.begun.allowed)
+        rounds = with_joint_effects([*before, fresh], standing, doubted)
+    return replace(path, word=verdict_of(rounds), rounds=rounds, standing=standing)
+
+
+def _excluded(best: str, proof: Proof, out: Mapping[str, Proof]) -> str:
+    """What to say of those that are taken out."""
+    told = "; ".join(
+        f"{name} leaves {one.rms_after:.3g} K on {run}, {best} {proof[run].rms_after:.3g} K"
+        for name, found in out.items()
+        for run, one in found.items()
+    )
+    return (
+        f"Held-out runs tell apart what explains the fitted ones alike: {told}. They have been "
+        "used for that, and are no proof by themselves any more."
+    )

@@ -1,0 +1,123 @@
+"""What held-out runs say of effects that fitted ones do not tell apart, on paths made by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import chi2
+from standings import standing
+from verdicts import one_round
+
+from thermo.discover import Calibration, HeldOut, _told_apart
+from thermo.discover._pace import silent
+from thermo.discover._path import SearchPath
+from thermo.discover._scores import ScoreTable
+from thermo.discover._search import Refit, Standing
+from thermo.discover._told_apart import excluded, told_apart
+
+NAMES = ("hidden_source", "sensor_lag", "void")
+
+
+def proof(*left: float) -> dict[str, HeldOut]:
+    """Runs that were not fitted, on which so much is left over the noise [1]."""
+    return {f"run {n}": HeldOut(0.5, 0.05 * one, 0.05, None) for n, one in enumerate(left)}
+
+
+def apart(
+    monkeypatch: pytest.MonkeyPatch, left: Mapping[str, float], word: str = "inseparable"
+) -> tuple[SearchPath, Mapping[str, HeldOut], list[str]]:
+    """A path whose last effect is the first of some that explain the fitted runs alike."""
+    there = {name: standing(60.0, 2, active=((name, 0),)) for name in left}
+    first, *others = left
+    told: list[str] = []
+    refits = []
+    for name in others:
+        one = object.__new__(Refit)
+        object.__setattr__(one, "standing", there[name])
+        monkeypatch.setattr(Refit, "name", lambda self: self.standing.active[-1][0])
+        refits.append(one)
+    for one in there.values():
+        object.__setattr__(one, "bench", None)
+
+    def predicted(bench: None, before: Any, point: Any) -> dict[str, HeldOut]:
+        told.append(point)
+        return proof(left[point])
+
+    for name, one in there.items():
+        object.__setattr__(one, "point", name)
+    fakes: dict[str, Any] = {
+        "held_out": predicted,
+        "with_all": lambda refit, _: refit.standing,
+        "undoubted": lambda one, _: one,
+        "with_doubt": lambda one, _: one,
+        "effect_of": lambda one, *_: replace(
+            one_round([], 0.9).effect, chance=float(NAMES.index(one.point))
+        ),
+        "rms": lambda one: {"lamp": float(NAMES.index(one.point))},
+        "with_joint_effects": lambda rounds, *_: rounds,
+    }
+    for name, fake in fakes.items():
+        monkeypatch.setattr(_told_apart, name, fake)
+    table = object.__new__(ScoreTable)
+    begun: Standing = there[first]
+    path = SearchPath(
+        word, [one_round(list(left), 0.99)], begun, there[first], table, ["before"],
+        Calibration(np.ones(9), 0.04, 0.01, 0.05), refits,
+    )  # type: ignore[arg-type]  # fmt: skip
+    after, found = told_apart(path, silent())
+    return after, found, told
+
+
+def test_one_that_leaves_far_more_on_another_run_is_excluded(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    path, found, _ = apart(monkeypatch, {"hidden_source": 1.05, "sensor_lag": 20.0})
+    assert path.word == "named" and path.rounds[0].together == ["hidden_source"]
+    assert found == proof(1.05) and path.rounds[0].effect.chance == 0.0
+    assert path.remarks[0] == "before" and "sensor_lag leaves 1 K on run 0" in path.remarks[1]
+    assert "hidden_source 0.0525 K" in path.remarks[1] and "no proof" in path.remarks[1]
+
+
+def test_where_the_effect_at_work_is_excluded_the_best_takes_its_place(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    left = {"hidden_source": 100.0, "sensor_lag": 1.3, "void": 1.1}
+    path, found, told = apart(monkeypatch, left)
+    assert path.word == "inseparable" and path.rounds[0].together == ["void", "sensor_lag"]
+    assert path.rounds[0].effect.chance == 2.0 and path.rounds[0].rms_after == {"lamp": 2.0}
+    assert path.standing.active == (("void", 0),) and found == proof(1.1)
+    assert sorted(told) == sorted(left)
+
+
+@pytest.mark.parametrize("left", [(1.0, 1.2), (5.0, 9.0), (60.0, 90.0)])
+def test_where_they_leave_much_alike_all_stay(
+    monkeypatch: pytest.MonkeyPatch, left: tuple[float, float]
+) -> None:
+    path, found, _ = apart(monkeypatch, dict(zip(NAMES, left, strict=False)))
+    assert path.word == "inseparable" and path.rounds[0].together == list(NAMES[:2])
+    assert path.remarks == ["before"] and found == proof(left[0])
+
+
+def test_one_that_is_named_has_no_rivals_to_be_predicted(monkeypatch: pytest.MonkeyPatch) -> None:
+    path, _, told = apart(monkeypatch, {"hidden_source": 9.0, "void": 1.0}, word="named")
+    assert path.word == "named" and told == ["hidden_source"] and path.remarks == ["before"]
+
+
+@given(st.floats(0.01, 1e4))
+def test_of_two_that_hold_one_is_excluded_in_five_per_cent_at_the_most(scale: float) -> None:
+    # One is within noise by chance, and the other one far from it.
+    within, beyond = chi2.cdf(1 / scale, 1), chi2.sf(_told_apart._BEYOND / scale, 1)
+    assert within * beyond < 0.05
+
+
+@given(st.lists(st.floats(0.9, 1.3), min_size=1, max_size=3), st.floats(1.5, 50.0))
+def test_the_mean_over_runs_counts(good: list[float], bad: float) -> None:
+    found = excluded({"one": proof(*good), "other": proof(*good[:-1], bad)})
+    more = (sum(one**2 for one in good[:-1]) + bad**2) / len(good) - 1
+    assert set(found) == ({"other"} if more > 30 else set())
