@@ -182,8 +182,9 @@ PLANNED = _stepping.free_grid
 DOUBTED = eqx.filter_jit(with_shared)
 
 
-def bricks(*_: object, finer: float = 1.0) -> Mesh:
+def bricks(*_: object, finer: float = 1.0, fine: None = None) -> Mesh:
     """The block in cells that are those of no other program, and do not depend on a mesher."""
+    del fine
     return box_mesh(SIZE, [round(finer * count) for count in BRICKS])
 
 

@@ -12,7 +12,8 @@ from thermo.mesh import Mesh, box_mesh
 def lay_bricks(monkeypatch: pytest.MonkeyPatch, counts: tuple[int, int, int]) -> None:
     """Let all that simulates the block use bricks, `counts` [1] along its axes, cut in cells."""
 
-    def make(*_: object, finer: float = 1.0) -> Mesh:
+    def make(*_: object, finer: float = 1.0, fine: None = None) -> Mesh:
+        del fine
         return box_mesh(SIZE.tolist(), [round(finer * count) for count in counts])
 
     for user in (_task, _predict):
