@@ -12,10 +12,10 @@ around the truth, as its deviations of about a per cent and less allow.
 `coverage` is of the interval from the curvature of what `log_model` makes, `scatter` the standard
 deviation of the fits over the one that it foretells, `bias` their mean error over it; `identify` is
 that of the interval that `thermo identify` gives after a fit of one value each, which allows for
-the third of what cells and steps make wrong that the fit may have left. The columns of `plain` are
-without what `mesh.corrected` does. A coverage of 200 draws is known to 1.5 %. `--exact` adds the
-scenes that `exact_scenes.py` has simulated anew, which stand for the given ones in the means.
-Leaves benchmarks/results/coverage.csv.
+what the fit may have left, up to a third, of what cells and steps make wrong. The columns of
+`plain` are without what `mesh.corrected` does. A coverage of 200 draws is known to 1.5 %. `--exact`
+adds the scenes that `exact_scenes.py` has simulated anew, which stand for the given ones in the
+means. Leaves benchmarks/results/coverage.csv.
 """
 
 from __future__ import annotations
@@ -34,7 +34,15 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from thermo.identify import identifiability
-from thermo.inverse import DEFECT_LEFT, NORMAL, Meshing, Sensitivity, Stepping, log_model
+from thermo.inverse import (
+    DEFECT_LEFT,
+    DEFECT_SPREAD,
+    NORMAL,
+    Meshing,
+    Sensitivity,
+    Stepping,
+    log_model,
+)
 from thermo.inverse._case import Case, constant_error, in_kelvin, make_case
 from thermo.inverse._objective import Objective, case_temperatures, jacobian, start
 from thermo.inverse._reading_errors import whiten, without
@@ -153,7 +161,7 @@ class Around:
             level = estimate_noise(run.recording)
             noise[run.name] = level.long_run()
             staying[run.name] = float(np.sqrt(np.mean(constant_error(run, level)[1])))
-        left = {name: DEFECT_LEFT * apart for name, apart in self.defect.items()}
+        left = {name: DEFECT_SPREAD * apart for name, apart in self.defect.items()}
         at = Sensitivity(UNKNOWN, self.slopes, noise, 1e-6, staying, self.values, left)
         told = identifiability(at, model_error=MODEL_ERROR).findings
         return np.array([item.relative for item in told])

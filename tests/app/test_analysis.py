@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from thermo.app._analysis import allowing, learnt, whole_frames
-from thermo.inverse import DEFECT_LEFT, Sensitivity
+from thermo.inverse import DEFECT_SPREAD, Sensitivity
 from thermo.observe import Noise, ResidualNoise
 
 
-@pytest.mark.parametrize(("corrected", "left"), [(True, DEFECT_LEFT), (False, 1.0)])
+@pytest.mark.parametrize(("corrected", "left"), [(True, DEFECT_SPREAD), (False, 1.0)])
 def test_a_corrected_fit_leaves_a_share_of_what_cells_and_steps_make_wrong(
     corrected: bool, left: float
 ) -> None:

@@ -26,7 +26,7 @@ from thermo.identify import (
     shifts,
     unknowns_of,
 )
-from thermo.inverse import DEFECT_LEFT, UNEXPLAINED, FieldPosterior
+from thermo.inverse import DEFECT_SPREAD, UNEXPLAINED, FieldPosterior
 from thermo.observe import ResidualNoise, Scene
 from thermo.report import (
     band_record,
@@ -105,9 +105,9 @@ def allowing(
 ) -> inverse.Sensitivity:
     """Slopes beside what the fit's cells and steps still make wrong, by run [K].
 
-    A `corrected` fit has taken off all but `DEFECT_LEFT` of it, any other nothing.
+    A `corrected` fit has taken off all but `DEFECT_SPREAD` of it, any other nothing.
     """
-    left = DEFECT_LEFT if corrected else 1.0
+    left = DEFECT_SPREAD if corrected else 1.0
     cut = {
         name: left * apart[tuple(slice(length) for length in at.slopes[name].shape[:2])]
         for name, apart in defect.items()

@@ -12,6 +12,7 @@ from thermo.inverse._checkpoint import Checkpoint, load_checkpoint, save_checkpo
 from thermo.inverse._conditions import Conditions
 from thermo.inverse._defect import (
     DEFECT_LEFT,
+    DEFECT_SPREAD,
     FINER,
     defect_sizes,
     finer_readings,
@@ -74,6 +75,7 @@ __all__ = [
     "ALL_BUT_UNIFORM",
     "CONTROLS",
     "DEFECT_LEFT",
+    "DEFECT_SPREAD",
     "FINER",
     "NORMAL",
     "PREDICTION_NODES",

@@ -43,6 +43,10 @@ DEFECT_LEFT: Final = 1 / 3
 """What the finer run is still wrong by, over the defect [1]: halving the edges leaves a third of
 the difference in errors of second order, and less in those of higher order."""
 
+DEFECT_SPREAD: Final = DEFECT_LEFT / 3**0.5
+"""Standard deviation of that where the order is not known [1]: of a share that is even up to
+`DEFECT_LEFT`, which lies within what 95 % intervals make of it."""
+
 Defects = Sequence[Float[Array, "runs frames samples"]]
 """What is added to the temperatures of each group of runs [K]."""
 
