@@ -60,7 +60,8 @@ def invert(settings: Configuration) -> None:
     scene, dropped = scene_of(settings)
     require_writable(out)
     checkpoint = out / "checkpoint.npz"
-    begun = f"going on from {checkpoint}" if checkpoint.exists() else f"fitting {scene.object}"
+    again = f"going on from {checkpoint}, if it is of this fit"
+    begun = again if checkpoint.exists() else f"fitting {scene.object}"
     print(f"{begun}; meshing and compiling come first", file=sys.stderr)
     with Progress("invert", None, sys.stderr) as progress:
         estimate = inverse.invert(
