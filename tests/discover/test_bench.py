@@ -70,7 +70,7 @@ def test_cells_are_small_about_the_edge_of_a_place_on_both_meshes(
     assert (first, second) == (_bench._SMALLER, FINER)
     assert near is not None and nearer is not None
     assert near.points is edges and nearer.points is edges
-    assert near.edge == pytest.approx(edge_of(bench) / 3)
+    assert near.edge == pytest.approx(edge_of(bench) / _bench._AT_EDGES)
     assert nearer.edge == pytest.approx(near.edge / _bench._SMALLER)
 
 

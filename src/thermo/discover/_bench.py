@@ -36,8 +36,8 @@ from thermo.physics.integrators import Sdirk2
 _SMALLER: Final = 1.6
 
 # The same where a place has an edge, and how many nodes more that may take, over those of the fit.
-_AT_EDGES: Final = 3.0
-_MORE: Final = 2.0
+_AT_EDGES: Final = 4.0
+_MORE: Final = 4.0
 
 FINEST: Final = 3.0
 """Edges of a fit's cells over those that a slight alarm is checked against [1]."""
