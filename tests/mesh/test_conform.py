@@ -6,8 +6,17 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from thermo.mesh import Surface, ball_mesh, box_mesh, cell_volumes, cylinder_mesh, mesh_from_cells
+from thermo.mesh import (
+    Surface,
+    ball_mesh,
+    box_mesh,
+    cell_quality,
+    cell_volumes,
+    cylinder_mesh,
+    mesh_from_cells,
+)
 from thermo.mesh._conform import conformed
+from thermo.mesh._gate import LEAST_QUALITY
 
 
 def moved(mesh, surface):
@@ -65,11 +74,15 @@ def test_a_box_keeps_its_sides_and_gets_its_corners_back(short):
     np.testing.assert_allclose(after.nodes[on], mesh.nodes[on], atol=1e-12)
 
 
-def test_no_cell_is_turned_over_by_a_surface_that_is_another():
-    mesh = box_mesh((0.04, 0.04, 0.04), (4, 4, 4), origin=(-0.02, -0.02, -0.02))
-    surface = surface_of(trimesh.creation.icosphere(subdivisions=3, radius=0.024))
+@pytest.mark.parametrize("height", [0.04, 1e-3])
+def test_no_cell_is_turned_over_or_made_flat_by_a_surface_that_is_another(height):
+    half = height / 2
+    mesh = box_mesh((0.04, 0.04, height), (4, 4, 4), origin=(-0.02, -0.02, -half))
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=0.024)
+    surface = surface_of(ball.apply_transform(np.diag([1.0, 1.0, half / 0.02, 1.0])))
     nodes = conformed(mesh, surface)
     assert np.any(nodes != mesh.nodes)
     after = mesh_from_cells(nodes, mesh.cells)
     np.testing.assert_array_equal(after.cells, mesh.cells)
     assert cell_volumes(after).min() > 0
+    assert cell_quality(after).min() >= min(LEAST_QUALITY, cell_quality(mesh).min())

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 from jaxtyping import Float
 
+from ._gate import LEAST_QUALITY
 from ._geometry import face_areas, mean_ratio
 from ._locate import nearest_triangle
 from ._mesh import Mesh
@@ -17,7 +18,8 @@ FLAT: Final = 0.1
 of the most: some 17 degrees to both sides."""
 
 LEAST_KEPT: Final = 0.5
-"""Nodes of a cell that would keep less than this share of its mean ratio stay [1]."""
+"""Nodes of a cell that would keep less than this share of its mean ratio stay [1], or would become
+too flat for the gate."""
 
 
 def conformed(mesh: Mesh, surface: Surface) -> Float[np.ndarray, "nodes 3"]:
@@ -39,8 +41,9 @@ def conformed(mesh: Mesh, surface: Surface) -> Float[np.ndarray, "nodes 3"]:
     Source: the quadric of Garland and Heckbert, SIGGRAPH 97, 209, weighted by shape functions.
     """
     before, moves = mean_ratio(mesh.nodes, mesh.cells), _moves(mesh, surface)
+    least = np.maximum(LEAST_KEPT * before, np.minimum(before, LEAST_QUALITY))
     while True:
-        worse = mean_ratio(mesh.nodes + moves, mesh.cells) < LEAST_KEPT * before
+        worse = mean_ratio(mesh.nodes + moves, mesh.cells) < least
         held = np.unique(mesh.cells[worse])
         if not np.any(moves[held]):
             return mesh.nodes + moves
