@@ -80,7 +80,8 @@ def test_invert_leaves_field_and_figures(fit: Path) -> None:
         assert sorted(stored) == ["conductivity", "points"]
         points, values = stored["points"], stored["conductivity"]
     assert points.shape == (len(values), 3) and len(values) > 50
-    assert points.min() > -1e-9 and np.allclose(points.max(0), [0.020, 0.012, 0.008])
+    # Within what the mesher may be off the surface by.
+    assert points.min() > -1e-5 and np.allclose(points.max(0), [0.020, 0.012, 0.008], atol=1e-5)
     assert np.allclose(values, found["fields"]["conductivity"]["median"])
     grid = meshio.read(fit / "field.vtu")
     assert np.allclose(grid.cell_data["conductivity"][0], values[0])

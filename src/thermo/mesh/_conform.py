@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -16,6 +17,12 @@ from ._surface import Surface
 FLAT: Final = 0.1
 """Directions count as a node's own where its faces turn towards them by more than this share [1]
 of the most: some 17 degrees to both sides."""
+
+THERE: Final = 1e-6
+"""A face that is nowhere farther off, over the root of its area [1], stays in its plane."""
+
+TURNED: Final = 1e-6
+"""Planes of such faces of one node that turn by less count as one [1], by eigenvalues as above."""
 
 LEAST_KEPT: Final = 0.5
 """Nodes of a cell that would keep less than this share of its mean ratio stay [1], or would become
@@ -33,8 +40,9 @@ def conformed(mesh: Mesh, surface: Surface) -> Float[np.ndarray, "nodes 3"]:
         sum_f int_f N (n . u - d)^2 dA,
 
     d the signed distance from the face to the surface along n and N the node's linear shape
-    function. Summed over the nodes that closes the volume between the two. Flat parts stay as they
-    are, a node on a bent part moves along its normal, one on an edge or a corner also across it.
+    function. Summed over the nodes that closes the volume between the two. Faces that lie on flat
+    parts stay in their planes; a node on a bent part moves along its normal, one on an edge or a
+    corner also across it.
 
     Arguments: `mesh`: linear cells; `surface`: what it was made from [m].
 
@@ -64,16 +72,31 @@ def _moves(mesh: Mesh, surface: Surface) -> Float[np.ndarray, "nodes 3"]:
     # By face and corner: the integrals of N and of N d.
     each = weight * shape.sum(axis=0)
     gap = weight * (apart @ shape)
+    there = np.abs(apart).max(axis=1) < THERE * np.sqrt(areas)
     square, right = np.zeros((len(nodes), 3, 3)), np.zeros((len(nodes), 3))
+    kept = np.zeros((len(nodes), 3, 3))
     for corner in range(3):
         planes = each[:, corner, None, None] * normals[:, :, None] * normals[:, None, :]
         np.add.at(square, faces[:, corner], planes)
         np.add.at(right, faces[:, corner], gap[:, corner, None] * normals)
+        np.add.at(kept, faces[there, corner], planes[there])
+    # Along the planes of faces that are where they should be; what they turn by is no direction.
+    free = np.eye(3) - _onto(kept, TURNED * np.trace(kept, axis1=1, axis2=2), np.ones_like)
+    least = FLAT * np.linalg.eigvalsh(square)[:, -1]
+    inverse = _onto(free @ square @ free, least, np.reciprocal)
+    return np.einsum("nij,njk,nk->ni", inverse, free, right)
+
+
+def _onto(
+    square: Float[np.ndarray, "nodes 3 3"],
+    least: Float[np.ndarray, " nodes"],
+    of: Callable[[np.ndarray], np.ndarray],
+) -> Float[np.ndarray, "nodes 3 3"]:
+    """The matrices with a function `of` their eigenvalues where these are above the `least`."""
     values, vectors = np.linalg.eigh(square)
-    open_ = values > FLAT * values[:, -1:]
-    inverse = np.where(open_, 1.0 / np.where(open_, values, 1.0), 0.0)
-    along = np.einsum("nji,nj->ni", vectors, right)
-    return np.einsum("nij,nj->ni", vectors, inverse * along)
+    large = values > np.maximum(least, np.finfo(float).tiny)[:, None]
+    made = np.where(large, of(np.where(large, values, 1.0)), 0.0)
+    return np.einsum("nij,nj,nkj->nik", vectors, made, vectors)
 
 
 def _shape_functions() -> Float[np.ndarray, "points 3"]:
