@@ -86,3 +86,18 @@ def test_no_cell_is_turned_over_or_made_flat_by_a_surface_that_is_another(height
     np.testing.assert_array_equal(after.cells, mesh.cells)
     assert cell_volumes(after).min() > 0
     assert cell_quality(after).min() >= min(LEAST_QUALITY, cell_quality(mesh).min())
+
+
+@pytest.mark.parametrize("cut", [0.0, 1e-4])
+def test_faces_of_a_box_stay_in_its_planes_where_an_edge_is_cut_off(cut):
+    mesh = box_mesh((0.04, 0.02, 0.01), (4, 3, 2))
+    box = trimesh.creation.box(bounds=[[0.0] * 3, [0.04, 0.02, 0.01]])
+    nodes = mesh.nodes.copy()
+    # A corner is drawn back within the plane z = 0.
+    corner = int(np.argmin(np.linalg.norm(nodes, axis=1)))
+    nodes[corner] += [cut, cut, 0.0]
+    after = moved(mesh_from_cells(nodes, mesh.cells), surface_of(box)).nodes
+    for plane in (0.0, 0.01):
+        np.testing.assert_array_equal(after[mesh.nodes[:, 2] == plane, 2], plane)
+    far = np.linalg.norm(mesh.nodes - mesh.nodes[corner], axis=1) > 0.02
+    np.testing.assert_allclose(after[far], mesh.nodes[far], atol=1e-15)
