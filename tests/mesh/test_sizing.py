@@ -90,6 +90,12 @@ def test_the_field_is_fine_where_it_is_asked_for_and_grows_from_there(cube):
     assert sizing.divided(2.0).fine is sizing.fine and sizing.divided(2.0).skin == 0.002
 
 
+@pytest.mark.parametrize(("count", "edge"), [(1, 0.0), (1, np.nan), (1, -1e-3), (0, 1e-3)])
+def test_nowhere_to_be_fine_is_refused(count, edge):
+    with pytest.raises(InputError, match="sizing.fine"):
+        Fine(np.zeros((count, 3)), edge)
+
+
 def test_cloud_leaves_no_gap(cube):
     rng = np.random.default_rng(0)
     spots = rng.uniform(-0.02, 0.02, size=(500, 3))

@@ -83,7 +83,7 @@ class SearchPath:
     table: ScoreTable
     remarks: list[str]
     calibrated: Calibration
-    rivals: Sequence[Refit] = ()
+    rivals: Sequence[Refit]
 
 
 def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace) -> SearchPath:

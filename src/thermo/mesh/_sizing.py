@@ -21,11 +21,23 @@ TOLERANCE: Final = 5e-4
 class Fine:
     """Where cells are to be small: edges of at most `edge` [m] at `points` (points, 3) [m].
 
-    Away from there they grow by half of the distance.
+    Away from there they grow by half of the distance. Raises `InputError` where `edge` is not
+    positive or there is no point.
     """
 
     points: Float[np.ndarray, "points 3"]
     edge: float
+
+    def __post_init__(self) -> None:
+        """Refuse an edge that is no length, and points that are none."""
+        if not (np.isfinite(self.edge) and self.edge > 0.0 and len(self.points)):
+            raise InputError(
+                "there is nowhere to be fine",
+                where="sizing.fine",
+                value=f"edge {self.edge:g} m at {len(self.points)} points",
+                limit="an edge above 0 m at one point or more",
+                remedy="state the edge in metres, or leave `fine` out",
+            )
 
 
 @final
