@@ -1,14 +1,14 @@
-"""Two of the paper's scenes simulated once more, and how far the given recordings are from that.
+"""Some of the paper's scenes simulated once more, and how far the given recordings are from that.
 
-    python benchmarks/exact_scenes.py SCENES [cube bear] [--coarser 1.0] [--out outputs/exact]
+    python benchmarks/exact_scenes.py SCENES [cube bear ...] [--coarser 1.0] [--out outputs/exact]
 
 By scikit-fem and TR-BDF2, from whose steps of 0.1 s those after a switch are cut to as little as a
 64th. A cube with a lamp on the middle of a face is symmetric: a quarter of it, in triquadratic
-cells that grow thin towards its faces, takes few of them. The bear is filled with quadratic
-tetrahedra, twice as many as the finer mesh of a fit has, which hold the volume of its surface to a
-hundred-thousandth. Prints by run the root mean square of what the recordings in SCENES differ by,
-and that of the ones in `--out` made before with another `--coarser`; leaves in `--out` the scenes
-with their cooling and heating made anew, for `coverage.py --exact`.
+cells that grow thin towards its faces, takes few of them. Any other body is filled with quadratic
+tetrahedra, on the bear twice as many as the finer mesh of a fit has, which hold the volume of its
+surface to a hundred-thousandth. Prints by run the root mean square of what the recordings in SCENES
+differ by, and that of the ones in `--out` made before with another `--coarser`; leaves in `--out`
+the scenes with their cooling and heating made anew, for `coverage.py --exact`.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ CELLS = 10
 THIN = (1e-3, 8e-3)
 """First cell below the lit face and below the others [m], over the number of cells."""
 SIZING = (1e-3, 2.5e-3, 5e-3)
-"""Edges of the bear's cells at its surface and inside, and how deep the first reach [m]."""
+"""Edges of tetrahedra at the surface and inside, and how deep the first reach [m]."""
 # Of both rates before the last stage of TR-BDF2, over its step.
 WEIGHT = np.sqrt(2.0) / 4
 CUTS = (64, 16, 4, 4, 4, *[2] * 11)
@@ -115,12 +115,12 @@ class Cube:
         return csr_array(self.basis.probes(np.clip(at, -HALF, HALF) * (1 - 1e-12)))
 
 
-class Bear:
-    """The bear in quadratic tetrahedra."""
+class Filled:
+    """A body in quadratic tetrahedra."""
 
     def __init__(self, scene: dict[str, Any], surface: Path, coarser: float) -> None:
-        sizing = Sizing(*(coarser * length for length in SIZING))
-        self.linear = tetrahedralise(read_surface(surface), sizing)
+        skin, core, depth = (coarser * length for length in SIZING)
+        self.linear = tetrahedralise(read_surface(surface), Sizing(skin, core, depth))
         mesh = MeshTet(self.linear.nodes.T, self.linear.cells.T)
         self.basis = Basis(mesh, ElementTetP2(), intorder=4)
         self.outside = FacetBasis(mesh, ElementTetP2(), intorder=6)
@@ -253,13 +253,11 @@ def told(name: str, apart: Values) -> None:
     print(f"{name}: {', '.join(words)}", flush=True)
 
 
-BODIES: dict[str, Callable[[dict[str, Any], Path, float], Body]] = {"cube": Cube, "bear": Bear}
-
-
 def make(given: Path, made: Path, coarser: float) -> None:
     """Both runs of one scene, compared and kept."""
     scene = json.loads((given / "scene.json").read_text("utf-8"))
-    body = BODIES[given.name](scene, given / scene["surface"], coarser)
+    kind = Cube if given.name == "cube" else Filled
+    body: Body = kind(scene, given / scene["surface"], coarser)
     scene["runs"] = {name: scene["runs"][name] for name in ("cooling", "heating")}
     made.mkdir(parents=True, exist_ok=True)
     for name, run in scene["runs"].items():
@@ -281,7 +279,7 @@ def main() -> None:
     """Make the scenes that are asked for."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("scenes", type=Path)
-    parser.add_argument("names", nargs="*", default=list(BODIES))
+    parser.add_argument("names", nargs="*", default=["cube", "bear"])
     parser.add_argument("--coarser", type=float, default=1.0)
     parser.add_argument("--out", type=Path, default=Path("outputs/exact"))
     asked = parser.parse_args()

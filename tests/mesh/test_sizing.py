@@ -61,6 +61,29 @@ def test_the_estimate_stays_below_the_cap(diffusivity, duration, most):
     assert 0 < sizing.skin <= sizing.core
 
 
+def rippled(half, subdivisions=6):
+    """An ellipsoid of half axes [m] with ripples of a fortieth of the first."""
+    ball = trimesh.creation.icosphere(subdivisions)
+    bumps = 1 + np.sin(12 * ball.vertices).prod(axis=1) / 40
+    ball.vertices *= bumps[:, None] * np.asarray(half)
+    return as_surface(ball)
+
+
+def test_a_loose_tolerance_is_given_for_nodes_on_a_detailed_surface():
+    surface = rippled((0.04, 0.04, 0.04))
+    asked = {"diffusivity": 1e-6, "duration": 60.0}
+    many, few = (sizing_from_physics(surface, **asked, max_nodes=most) for most in (10**6, 6000))
+    assert many.tolerance == pytest.approx(5e-4 * surface.diagonal())
+    assert 1e-3 < few.tolerance / surface.diagonal() <= 2e-3
+    assert expected_nodes(surface, few) < 0.25 * expected_nodes(surface, many)
+
+
+def test_a_thin_body_keeps_its_sides_apart():
+    surface = rippled((0.04, 0.04, 4e-4))
+    sizing = sizing_from_physics(surface, diffusivity=1e-6, duration=60.0, max_nodes=6000)
+    assert sizing.tolerance <= 7.001e-4 * surface.diagonal()
+
+
 def test_thickness_of_a_plate_and_a_ball(ball):
     plate = as_surface(trimesh.creation.box((0.08, 0.08, 0.004)).subdivide().subdivide())
     assert np.quantile(inward_rays(plate).lengths, 0.05) == pytest.approx(0.004)

@@ -21,10 +21,28 @@ VOLUME_TOLERANCE: Final = 0.005
 
 
 def gated_mesh(nodes: np.ndarray, cells: np.ndarray, surface: Surface, *, where: str) -> Mesh:
-    """A mesh from the mesher's arrays, refused where it is not good enough.
+    """A mesh of nodes [m] and cells, refused where it is not good enough.
 
-    Raises `InputError` where the mesh is empty, a cell is flat, or the mesh's volume differs by
-    more than half a percent from the surface's.
+    Raises `InputError` as `sound_mesh` does, and where the mesh's volume differs by more than half
+    a percent from the surface's.
+    """
+    mesh = sound_mesh(nodes, cells, where=where)
+    wanted, got = surface.volume(), mesh.volume()
+    if not abs(got - wanted) <= VOLUME_TOLERANCE * abs(wanted):
+        raise InputError(
+            "the mesh does not fill the surface",
+            where=where,
+            value=f"volume {got:.6g} m3, surface {wanted:.6g} m3",
+            limit=f"{VOLUME_TOLERANCE:.1%} difference",
+            remedy="make the sizing finer, or check the surface for thin and open parts",
+        )
+    return mesh
+
+
+def sound_mesh(nodes: np.ndarray, cells: np.ndarray, *, where: str) -> Mesh:
+    """A mesh of nodes [m] and cells, whatever it fills.
+
+    Raises `InputError` where the mesh is empty or a cell is flat.
     """
     if len(cells) == 0:
         raise InputError(
@@ -43,14 +61,5 @@ def gated_mesh(nodes: np.ndarray, cells: np.ndarray, surface: Surface, *, where:
             value=f"mean ratio {quality.min():.3g} in cell {int(np.argmin(quality))}",
             limit=f"{LEAST_QUALITY:g} or more",
             remedy="change the sizing a little, or remove slivers from the surface",
-        )
-    wanted, got = surface.volume(), mesh.volume()
-    if not abs(got - wanted) <= VOLUME_TOLERANCE * abs(wanted):
-        raise InputError(
-            "the mesh does not fill the surface",
-            where=where,
-            value=f"volume {got:.6g} m3, surface {wanted:.6g} m3",
-            limit=f"{VOLUME_TOLERANCE:.1%} difference",
-            remedy="make the sizing finer, or check the surface for thin and open parts",
         )
     return mesh

@@ -21,8 +21,14 @@ CELLS_THROUGH: Final = 2.0
 STEEPEST: Final = 0.8
 """Largest growth of the edge length with the distance from the surface."""
 
-LOOSEST: Final = 7e-4
+LOOSE: Final = 7e-4
 """Largest tolerance of the surface that is traded for nodes, over the box diagonal."""
+
+LOOSEST: Final = 2e-3
+"""The same where a finely curved surface takes too many nodes with that."""
+
+LOOSEST_THIN: Final = 0.1
+"""The same over the thickness of the thin parts, if that is less."""
 
 LEAST_GAIN: Final = 0.005
 """Smallest share of the nodes that making the skin 3 % coarser must save to be worth it."""
@@ -68,15 +74,20 @@ def sizing_from_physics(
     thin = float(np.quantile(shape.through, 0.05))
     coarsest = shape.diagonal / CELLS_ACROSS
     skin = min(depth / cells_per_depth, coarsest, max(thin / CELLS_THROUGH, coarsest / 3.0))
-    tolerance = TOLERANCE
+    most = max(LOOSE, min(LOOSEST, LOOSEST_THIN * thin / shape.diagonal))
+    tolerance, loosest = TOLERANCE, LOOSE
     before = np.inf
     while True:
         core = max(coarsest, skin)
         ramp = max(depth, (core - skin) / STEEPEST)
         sizing = Sizing(skin, core, ramp, tolerance * shape.diagonal)
         nodes = nodes_for(shape, sizing, tolerance * shape.diagonal)
-        # Once the curved sides alone set the count, a coarser skin only loses accuracy.
-        if nodes <= max_nodes or nodes > (1.0 - LEAST_GAIN) * before:
+        if nodes <= max_nodes:
             return sizing
+        # Once the curved sides alone set the count, a coarser skin only loses accuracy.
+        if nodes > (1.0 - LEAST_GAIN) * before:
+            if tolerance >= most:
+                return sizing
+            loosest = most
         before = nodes
-        skin, tolerance = 1.03 * skin, min(1.1 * tolerance, LOOSEST)
+        skin, tolerance = 1.03 * skin, min(1.1 * tolerance, loosest)

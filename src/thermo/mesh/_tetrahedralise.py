@@ -16,7 +16,7 @@ from thermo.errors import InputError
 from . import _mesher_child
 from ._cache import READING, content_key, default_cache, load_cells, save_cells
 from ._conform import conformed
-from ._gate import gated_mesh
+from ._gate import gated_mesh, sound_mesh
 from ._mesh import Mesh
 from ._simplify import simplified
 from ._sizing import Sizing
@@ -76,7 +76,7 @@ def tetrahedralise(
             entry.unlink(missing_ok=True)
     fewer = simplified(surface, most=MOST_TRIANGLES, target=TARGET, where=where)
     nodes, cells = _run_mesher(fewer, sizing, time_limit, where)
-    made = gated_mesh(nodes, cells, surface, where=where)
+    made = sound_mesh(nodes, cells, where=where)
     mesh = gated_mesh(conformed(made, surface), made.cells, surface, where=where)
     save_cells(entry, mesh.nodes, mesh.cells)
     # What is kept may be another process's mesh; fits that run side by side then share it.
