@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
+
 
 class InputError(ValueError):
     """Input that cannot be used as it stands.
@@ -26,3 +29,9 @@ class InputError(ValueError):
 def _one_line(where: str) -> str:
     """A file's name may hold line ends, which are shown as they are written in Python."""
     return "".join(one if one.isprintable() else repr(one)[1:-1] for one in where)
+
+
+def meant(name: str, known: Iterable[str]) -> str:
+    """The name nearest to one that there is not, as a question before a remedy; or nothing."""
+    near = difflib.get_close_matches(name, list(known), n=1)
+    return f"did you mean {near[0]}? " if near else ""

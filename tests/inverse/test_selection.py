@@ -57,3 +57,12 @@ def test_an_unknown_quantity_is_refused(names: tuple[str, ...], value: str, scen
     assert (caught.value.where, caught.value.value) == ("unknown", value)
     assert "conductivity, diffusivity" in caught.value.limit
     assert "unknown=[" in caught.value.remedy
+
+
+def test_a_misspelt_name_is_told_by_its_right_one(scene: Scene) -> None:
+    with pytest.raises(InputError) as caught:
+        select_runs(scene, ("colling",), held_out=False)
+    assert caught.value.remedy.startswith("did you mean cooling? ")
+    with pytest.raises(InputError) as caught:
+        select_unknowns(scene, ("conductivty",))
+    assert caught.value.remedy.startswith("did you mean conductivity? ")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 import os
 import re
@@ -108,8 +107,7 @@ def _meant(verb: str, found: str) -> str:
     names = [*_keys(known)]
     for group, option in (pair for one in known.defaults for pair in _groups(one)):
         names += [group, *_keys(OmegaConf.load(folder / group / f"{option}.yaml"), f"{group}.")]
-    near = difflib.get_close_matches(name[1], names, n=1)
-    return f"did you mean {near[0]}? " if near else ""
+    return errors.meant(name[1], names)
 
 
 def _groups(default: Any) -> Iterator[tuple[str, str]]:

@@ -14,7 +14,7 @@ from thermo import inverse
 from thermo.app._cameras import cameras_of
 from thermo.app._configuration import names, number
 from thermo.discover import load_effects
-from thermo.errors import InputError
+from thermo.errors import InputError, meant
 from thermo.imaging import (
     Colours,
     Degrees,
@@ -106,7 +106,7 @@ def _run_of(scene: Scene, name: str) -> Run:
     if name not in scene.runs:
         raise InputError(
             "unknown run", where=f"{scene.folder}: runs", value=name, limit=", ".join(scene.runs),
-            remedy="name a run of the scene, as run=a",
+            remedy=f"{meant(name, scene.runs)}name a run of the scene, as run=a",
         )  # fmt: skip
     return scene.runs[name]
 

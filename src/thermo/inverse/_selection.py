@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from thermo.errors import InputError
+from thermo.errors import InputError, meant
 from thermo.fields import QUANTITIES
 from thermo.observe import Run, Scene
 
@@ -12,18 +12,18 @@ def select_runs(scene: Scene, names: tuple[str, ...] | None, *, held_out: bool) 
 
     Raises `InputError` for a name that the scene does not have, and where nothing is left.
     """
-    known = ", ".join(scene.runs)
     if names is None:
         picked = [run for run in scene.runs.values() if run.held_out == held_out]
         names = tuple(run.name for run in picked)
     unknown = [name for name in names if name not in scene.runs]
     if unknown or not names:
+        near = meant("".join(unknown[:1]), scene.runs)
         raise InputError(
             "unknown run" if unknown else "no run is left to work on",
             where=f"{scene.folder}: runs",
             value=", ".join(unknown) or "none",
-            limit=known,
-            remedy="name runs of the scene, as runs=[a,b]",
+            limit=", ".join(scene.runs),
+            remedy=f"{near}name runs of the scene, as runs=[a,b]",
         )
     return [scene.runs[name] for name in dict.fromkeys(names)]
 
@@ -54,11 +54,12 @@ def select_unknowns(scene: Scene, names: tuple[str, ...] | None) -> tuple[str, .
     names = scene.unknown if names is None else names
     wrong = [name for name in names if name not in QUANTITIES]
     if wrong or not names:
+        near = meant("".join(wrong[:1]), QUANTITIES)
         raise InputError(
             "this quantity cannot be fitted" if wrong else "nothing is to be found",
             where="unknown",
             value=", ".join(wrong) or "an empty list",
             limit=", ".join(QUANTITIES),
-            remedy="give unknown=[conductivity], for example",
+            remedy=f"{near}give unknown=[conductivity], for example",
         )
     return tuple(dict.fromkeys(names))
