@@ -24,8 +24,12 @@ STEEPEST: Final = 0.8
 LOOSE: Final = 7e-4
 """Largest tolerance of the surface that is traded for nodes, over the box diagonal."""
 
+TOO_MANY: Final = 2.5
+"""Nodes over those asked for from which a finely curved surface is loosened further: its area then
+comes out less exactly."""
+
 LOOSEST: Final = 2e-3
-"""The same where a finely curved surface takes too many nodes with that."""
+"""Largest tolerance there, over the box diagonal."""
 
 LOOSEST_THIN: Final = 0.1
 """The same over the thickness of the thin parts, if that is less."""
@@ -47,7 +51,8 @@ def sizing_from_physics(
     The skin gets `cells_per_depth` edges per depth and two through the thin parts, the inside a
     twelfth of the box diagonal. Where the TET10 mesh is expected to pass `max_nodes`, the skin is
     made coarser and the tolerance looser step by step; `resolution` then says how well the layer
-    is resolved. The count is an estimate, and a finely curved surface sets a lower limit to it.
+    is resolved. The count is an estimate, and a finely curved surface sets a lower limit to it: up
+    to 2.5 times as many nodes are taken before its tolerance is loosened further.
 
     Arguments:
 
@@ -75,19 +80,17 @@ def sizing_from_physics(
     coarsest = shape.diagonal / CELLS_ACROSS
     skin = min(depth / cells_per_depth, coarsest, max(thin / CELLS_THROUGH, coarsest / 3.0))
     most = max(LOOSE, min(LOOSEST, LOOSEST_THIN * thin / shape.diagonal))
-    tolerance, loosest = TOLERANCE, LOOSE
+    tolerance, loosest, enough = TOLERANCE, LOOSE, float(max_nodes)
     before = np.inf
     while True:
         core = max(coarsest, skin)
         ramp = max(depth, (core - skin) / STEEPEST)
         sizing = Sizing(skin, core, ramp, tolerance * shape.diagonal)
         nodes = nodes_for(shape, sizing, tolerance * shape.diagonal)
-        if nodes <= max_nodes:
-            return sizing
         # Once the curved sides alone set the count, a coarser skin only loses accuracy.
         if nodes > (1.0 - LEAST_GAIN) * before:
-            if tolerance >= most:
-                return sizing
-            loosest = most
+            loosest, enough = most, TOO_MANY * max_nodes
+        if nodes <= enough or (tolerance >= most and enough > max_nodes):
+            return sizing
         before = nodes
         skin, tolerance = 1.03 * skin, min(1.1 * tolerance, loosest)
