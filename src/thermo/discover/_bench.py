@@ -36,7 +36,7 @@ from thermo.physics.integrators import Sdirk2
 _SMALLER: Final = 1.6
 
 # The same where a place has an edge, and how many nodes more that may take, over those of the fit.
-_AT_EDGES: Final = 4.0
+_AT_EDGES: Final = 2.5
 _MORE: Final = 4.0
 
 FINEST: Final = 3.0

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, final
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
 from thermo.inverse import AbstractHeatAddition, AbstractReadingAddition
-from thermo.physics import Discretisation, volume_rule
+from thermo.physics import Discretisation
 
 FINE: Final = 5
 """Degree of the rule [1] for what varies within a cell: light that is soon gone, edges of voids."""
@@ -29,9 +29,6 @@ SHARPNESS: Final = (8.0, 4.0, 24.0)
 
 _DIRECTIONS: Final = 4000
 """In which the edge of an inclusion is looked at [1]."""
-
-Shapes = Float[Array, "places points cells"]
-"""Share of each place's full strength [1]."""
 
 
 @final
@@ -101,6 +98,11 @@ class Inclusion(eqx.Module):
         places = zip(self.centre, self.size, self.squareness, self.sharpness, strict=True)
         return jnp.stack([_inside((at - c) / s, square, sharp) for c, s, square, sharp in places])
 
+    def normals(self, at: Float[Array, "*any 3"]) -> Float[Array, "places *any 3"]:
+        """Normals [1] of the surfaces r = constant through points [m]; along z in the middle."""
+        places = zip(self.centre, self.size, self.squareness, strict=True)
+        return jnp.stack([unit(_outward((at - c) / s, square) / s) for c, s, square in places])
+
     def edge(self, part: int) -> Float[np.ndarray, "points 3"]:
         """Points [m] at r = 1 about one of the places, spread over all directions."""
         turns = np.arange(_DIRECTIONS) + 0.5
@@ -120,6 +122,21 @@ def _inside(
     squares = jnp.clip(way**2, _MIDDLE, _FAR)
     radius = jnp.sum(squares ** (squareness / 2), -1) ** (1 / squareness)
     return jnp.exp(-(radius**sharpness))
+
+
+def unit(vector: Float[Array, "*any 3"]) -> Float[Array, "*any 3"]:
+    """Vectors of length one [1]; where there is no direction, one along z that has no slope."""
+    # Over the largest part first: high powers of small numbers have squares that vanish.
+    largest = jax.lax.stop_gradient(jnp.abs(vector).max(-1, keepdims=True))
+    known = largest > 0
+    scaled = jnp.where(known, vector / jnp.where(known, largest, 1.0), jnp.array([0.0, 0.0, 1.0]))
+    return scaled / jnp.linalg.norm(scaled, axis=-1, keepdims=True)
+
+
+def _outward(way: Float[Array, "*any 3"], squareness: Float[Array, ""]) -> Float[Array, "*any 3"]:
+    """Slope of r^squareness over the squareness."""
+    squares = jnp.clip(way**2, _MIDDLE, _FAR)
+    return jnp.sign(way) * squares ** ((squareness - 1) / 2)
 
 
 @final
@@ -165,15 +182,6 @@ def on_faces(space: Discretisation, place: Place) -> Float[Array, "places faces"
     """Mean of each place's shape over each face [1]."""
     share = face_shares(space)
     return jnp.einsum("pfq,fq->pf", place.shapes(jnp.asarray(space.face_point)), share)
-
-
-def cell_means(
-    space: Discretisation, shapes: Callable[[Float[Array, "points cells 3"]], Shapes]
-) -> Float[Array, "places cells"]:
-    """Mean of each place's shape over each cell [1], which may vary within a cell."""
-    rule = volume_rule(space, FINE)
-    whole = jnp.einsum("pqc,qc->pc", shapes(rule.at), rule.weight)
-    return whole / rule.weight.sum(0)
 
 
 def face_shares(space: Discretisation) -> Float[Array, "faces points"]:

@@ -91,6 +91,7 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace) -> SearchPa
     standing, rounds, remarks, quiet = begun, [], [], False
     tables: list[ScoreTable] = []
     rivals: dict[Active, Sequence[Refit]] = {}
+    settled = doubted = begun
     for number in range(_ROUNDS):
         pace.step(f"scoring all candidates, round {number + 1} of {_ROUNDS} at the most")
         share = 0.5**number
@@ -126,14 +127,16 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace) -> SearchPa
             break
         standing, rounds = on_small_cells(standing, rounds, begun, before, pace, remarks)
         pace.step("allowing for what the shapes of places may make wrong")
-        standing = with_doubt(standing, begun.allowed)
-        most = table.threshold**2
+        settled, standing = standing, with_doubt(standing, begun.allowed)
+        doubted, most = standing, table.threshold**2
         standing, rounds, told = replaced(standing, rounds, rivals, most, pace)
         if told:
             remarks += told
-            standing = with_doubt(standing, begun.allowed)
+            settled = standing
+            standing = doubted = with_doubt(standing, begun.allowed)
     pace.step("fitting what was found once more, and drawing noise alone")
-    last = undoubted(standing, begun.allowed)
+    # Where nothing came after the last doubt, what was fitted just before it need not be again.
+    last = undoubted(settled if standing is doubted else standing, begun.allowed)
     word = "no_gap" if quiet else _word(begun, last, rounds, tables[0])
     together = with_joint_effects(rounds, last, standing)
     others = rivals.get(last.active[-1], ()) if last.active else ()

@@ -5,19 +5,21 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import ClassVar, final
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from thermo.discover._candidate import (
+    FINE,
     AbstractHeatCandidate,
     Card,
     Inclusion,
     Place,
     Transition,
-    cell_means,
+    unit,
 )
 from thermo.inverse import Conditions
-from thermo.physics import Model
+from thermo.physics import Model, volume_rule
 from thermo.physics.effects import PolynomialLaw, TransitionLaw
 
 REFERENCE = 293.15
@@ -117,8 +119,11 @@ class AnisotropicConductivity(AbstractHeatCandidate):
     def to_model(self, model: Model, under: Conditions) -> Model:
         """The model [SI] with a tensor of conductivity."""
         del under
-        tensor = model.conductivity[:, None, None] * jnp.diag(1 + self.strength)
-        return replace(model, conductivity=tensor)
+        whole = model.conductivity
+        if whole.ndim == 3:
+            root = jnp.sqrt(1 + self.strength)
+            return replace(model, conductivity=whole * root[:, None] * root)
+        return replace(model, conductivity=whole[:, None, None] * jnp.diag(1 + self.strength))
 
 
 @final
@@ -126,7 +131,11 @@ class Void(AbstractHeatCandidate):
     """A body within that conducts poorly, k (1 - strength inside), inside as of an `Inclusion`.
 
     Its sizes along x, y and z are free, so that it can be flat as a crack or a delamination, and so
-    are its form, from an ellipsoid to a box, and how sharp its edge is.
+    are its form, from an ellipsoid to a box, and how sharp its edge is. A cell that its edge cuts
+    conducts as layers do: by the mean of k along the edge and by the harmonic mean across it. So
+    what is thinner than a cell holds heat back as well.
+
+    Source: Milton, The Theory of Composites (2002), chapter 9, laminates.
     """
 
     card: ClassVar[Card] = Card(
@@ -141,7 +150,19 @@ class Void(AbstractHeatCandidate):
     def to_model(self, model: Model, under: Conditions) -> Model:
         """The model [SI] with voids in it."""
         del under
-        inside = cell_means(model.space, self.place.shapes)
-        factor = jnp.maximum(1 - self.strength @ inside, _LEAST)
-        shape = (-1,) + (1,) * (model.conductivity.ndim - 1)
-        return replace(model, conductivity=model.conductivity * factor.reshape(shape))
+        rule = volume_rule(model.space, FINE)
+        weight = rule.weight / rule.weight.sum(0)
+        inside = self.place.shapes(rule.at)
+        factor = jnp.maximum(1 - jnp.einsum("p,pqc->qc", self.strength, inside), _LEAST)
+        along, across = jnp.sum(weight * factor, 0), 1 / jnp.sum(weight / factor, 0)
+        share = jnp.einsum("pqc,qc->pc", inside, weight)
+        normals = self.place.normals(jnp.einsum("qcx,qc->cx", rule.at, weight))
+        # Of cells that several edges cut the one that counts most is followed most.
+        weighs = jax.lax.stop_gradient(self.strength[:, None] * share * (1 - share))
+        normal = unit(jnp.einsum("pc,pcx->cx", weighs, normals))
+        whole = model.conductivity
+        tensor = whole if whole.ndim == 3 else whole[:, None, None] * jnp.eye(3)
+        flow = jnp.einsum("cxy,cy->cx", tensor, normal)
+        level = jnp.einsum("cx,cx->c", flow, normal)
+        layered = ((across - along) / level)[:, None, None] * flow[:, :, None] * flow[:, None, :]
+        return replace(model, conductivity=along[:, None, None] * tensor + layered)
