@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -68,7 +69,7 @@ def searched(
         "_out_of_reach": lambda *_: False,
         "placed": lambda made: place and made is not standings[0],
         "on_small_cells": lambda made, rounds, *_: (made, rounds),
-        "with_doubt": lambda made, _: doubts.append(made) or made,
+        "with_doubt": lambda made, _: doubts.append(made) or copy(made),
         "rivals_of": lambda *_: {("one", 0): []},
         "replaced": lambda made, rounds, rivals, most, _: (
             made,
@@ -106,6 +107,8 @@ def test_a_rival_that_took_a_place_is_told_and_its_shape_is_doubted(
     made = [found(0.1, 0.5, 0.9)]
     path = searched(monkeypatch, [1.5, 1.0], made, alarms=1, told=told, doubted=doubted)
     assert path.remarks == told and len(doubted) == 1 + len(told)
+    # What nothing came after is taken as it was fitted before the last doubt.
+    assert path.standing is doubted[-1]
 
 
 def test_a_gap_in_smooth_shapes_is_not_argued_away(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -121,6 +121,7 @@ class AnisotropicConductivity(AbstractHeatCandidate):
         del under
         whole = model.conductivity
         if whole.ndim == 3:
+            # It stays symmetric, and positive definite.
             root = jnp.sqrt(1 + self.strength)
             return replace(model, conductivity=whole * root[:, None] * root)
         return replace(model, conductivity=whole[:, None, None] * jnp.diag(1 + self.strength))
