@@ -28,7 +28,7 @@ from thermo.inverse import (
 )
 from thermo.inverse import _invert as module
 from thermo.inverse._smoothing import ALL_BUT_UNIFORM
-from thermo.observe import Scene, read_scene
+from thermo.observe import Recording, Scene, read_scene
 from thermo.physics.integrators import BackwardEuler
 
 from .conftest import START
@@ -84,6 +84,25 @@ def test_only_runs_that_are_not_held_out_were_fitted(fitted: Estimate, scene: Sc
         assert run.rmse == pytest.approx(np.sqrt(np.mean(difference**2)), rel=1e-9)
         # Meshes differ: cells this coarse are wrong by 0.04 to 0.07 K under a lamp.
         assert 0.8 * NOISE < run.rmse < 0.1
+
+
+def test_what_a_sample_reads_wrong_all_the_time_is_no_residual(
+    scene: Scene, meshing: Meshing
+) -> None:
+    run = scene.runs["lamp"]
+    record = run.recording
+    off = np.linspace(-3.0, 3.0, len(record.points))
+
+    def rmse(shift: float, stated: float) -> float:
+        read = np.where(record.valid, record.temperature + shift * off, np.nan)
+        shifted = Recording(record.points, record.time, read)
+        alone = {"lamp": replace(run, recording=shifted, constant_error=stated)}
+        estimate = stroll(replace(scene, runs=alone), meshing, runs=("lamp",))
+        return estimate.runs["lamp"].rmse
+
+    told = rmse(1.0, 4.0)
+    assert told == pytest.approx(rmse(0.0, 4.0), rel=0.02)
+    assert rmse(1.0, 0.0) > 1.2 * told
 
 
 def test_the_fit_says_how_well_the_skin_is_resolved(fitted: Estimate) -> None:

@@ -13,9 +13,8 @@ from jaxtyping import Float
 
 from thermo.discover._bench import Bench, finer_runs
 from thermo.discover._extended import Extended, whitened
-from thermo.discover._staying import staying
 from thermo.discover._verdict import HeldOut
-from thermo.inverse import Case, Objective, at_once, coarse_tangents, lay_out
+from thermo.inverse import Case, Objective, at_once, coarse_tangents, lay_out, staying
 from thermo.observe import Run, estimate_noise
 
 # Fewer samples than these [1] are no sample of the body; draws of them.

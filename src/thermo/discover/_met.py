@@ -8,8 +8,7 @@ import numpy as np
 
 from thermo.discover._bench import read_there, steps_for
 from thermo.discover._search import Standing
-from thermo.discover._staying import staying
-from thermo.inverse import Estimate, RunFit, defect_sizes, recovered, with_fields
+from thermo.inverse import Estimate, RunFit, defect_sizes, recovered, staying, with_fields
 from thermo.observe import estimate_noise
 
 _RESOLVED: Final = "What cells and steps make wrong was measured on a finer mesh and taken off."

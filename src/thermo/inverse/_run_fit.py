@@ -13,12 +13,17 @@ from thermo.inverse._estimate import RunFit
 from thermo.inverse._minimise import Fit
 from thermo.inverse._objective import Objective, residual, run_parts
 from thermo.inverse._reading_errors import colour, with_again
+from thermo.inverse._staying import staying
 from thermo.observe import Run, estimate_noise
 from thermo.physics import TimeGrid
 
 
 def run_fits(fit: Fit, runs: tuple[Run, ...], grids: dict[str, TimeGrid]) -> dict[str, RunFit]:
-    """Temperatures [K] of each run with the fitted fields, at the frames of its grid [s]."""
+    """Temperatures [K] of each run with the fitted fields, at the frames of its grid [s].
+
+    What is measured stands without each sample's constant error, from quiet frames or, where a run
+    states how large it may be, as the fit tells it.
+    """
     objective = fit.objective
     whitened = fit.residual
     if whitened is None:
@@ -32,6 +37,8 @@ def run_fits(fit: Fit, runs: tuple[Run, ...], grids: dict[str, TimeGrid]) -> dic
         # NaN where nothing was measured.
         difference = np.where(weight > 0, apart[place], np.nan)[:frames, :samples]
         found = measured[place][:frames, :samples]
+        stays = staying(-difference, run)
+        found, difference = found - stays, difference + stays
         result[run.name] = RunFit(
             rmse=float(np.sqrt(np.nanmean(difference**2))),
             noise=estimate_noise(run.recording).fluctuation(),

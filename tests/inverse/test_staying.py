@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lit_box import FRAMES, POINTS, run
 
-from thermo.discover._staying import staying
+from thermo.inverse import staying
 from thermo.observe import estimate_noise
 
 SHAPE = (len(FRAMES), len(POINTS))
