@@ -137,7 +137,8 @@ def part(at: Sensitivity, runs: tuple[str, ...], names: tuple[str, ...]) -> Sens
     """Some of the runs, and some of the unknowns: the others are known."""
     kept = [at.names.index(name) for name in names]
     slopes = {run: at.slopes[run][..., kept] for run in runs}
-    return replace(at, names=names, slopes=slopes)
+    values = tuple(at.values[number] for number in kept)
+    return replace(at, names=names, slopes=slopes, values=values)
 
 
 def test_cooling_alone_tells_ratios_a_lamp_the_rest_and_its_power_hides_that_again(
@@ -149,7 +150,7 @@ def test_cooling_alone_tells_ratios_a_lamp_the_rest_and_its_power_hides_that_aga
         block,
         runs=("cooling", "lamp"),
         unknown=body,
-        scales=("heater_power",),
+        scales=("heater_power", "camera_emissivity"),
         initial={"conductivity": 0.8},
         meshing=Meshing(order=1, max_nodes=1000, cache=tmp_path / "meshes"),
         stepping=Stepping(tolerance=0.1, rtol=1e-9),
@@ -163,9 +164,14 @@ def test_cooling_alone_tells_ratios_a_lamp_the_rest_and_its_power_hides_that_aga
     assert cooling.eigenvalues[-1] < 1e-10 * cooling.eigenvalues[0]
     both = spectrum(part(every, ("cooling", "lamp"), body))
     assert both.undetermined() == [] and both.deviation().max() < 0.05
-    told = identifiability(every)
+    powered = part(every, ("cooling", "lamp"), (*body, "heater_power"))
+    told = identifiability(powered)
     (one,) = told.free
-    assert one.weights == pytest.approx(dict.fromkeys(every.names, 1.0), abs=1e-4)
+    assert one.weights == pytest.approx(dict.fromkeys(powered.names, 1.0), abs=1e-4)
     assert {item.verdict for item in told.findings} == {"not_identified"}
     dark = spectrum(part(every, ("cooling",), ("conductivity", "heater_power")))
     assert [one.words() for one in dark.undetermined()] == ["heater_power is not determined"]
+    # A lamp that is stronger, and a camera that reads less of what it does.
+    gained = spectrum(part(every, ("lamp",), ("heater_power", "camera_emissivity")))
+    (one,) = gained.undetermined()
+    assert one.weights == pytest.approx({"heater_power": 1.0, "camera_emissivity": -1.0}, abs=1e-4)
