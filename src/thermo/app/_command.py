@@ -22,6 +22,7 @@ from thermo import errors
 from thermo.app import _verbs
 from thermo.app._discover import discover
 from thermo.app._identify import identify
+from thermo.app._others_results import keep_others_results
 from thermo.app._reconstruct import reconstruct_surface
 from thermo.app._register import register
 from thermo.app._render import render_run
@@ -143,6 +144,7 @@ def _run(verb: str, configuration: DictConfig) -> None:
         if HydraConfig.get().mode == RunMode.MULTIRUN and finished(verb, settings):
             print(f"{settings['out']}: finished before; remove it to run it anew", file=sys.stderr)
             return
+        keep_others_results(verb, Path(str(settings.get("out"))))
         VERBS[verb](settings)
     except errors.InputError as fault:
         print(f"thermo {verb}: {fault}", file=sys.stderr)
