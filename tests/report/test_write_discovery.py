@@ -29,7 +29,8 @@ def test_each_verdict_says_what_it_is(word: str) -> None:
     named = ["hidden_source"] if word in ("named", "inseparable") else []
     assert record["effects"] == named and record["remarks"] == ["A remark."]
     proof = " ".join(record["sentences"])
-    assert ("falls from 0.4 to 0.055 K" in proof) == (word != "no_gap")
+    told = "is 0.4 K, at a noise" if word == "no_gap" else "falls from 0.4 to 0.055 K, at a noise"
+    assert f"On other, which was not fitted, the difference {told}" in proof
 
 
 @pytest.mark.parametrize(

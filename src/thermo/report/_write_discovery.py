@@ -183,10 +183,19 @@ def verdict_sentences(found: Verdict) -> list[str]:
         "none_of_mine": [_none(found)],
         "no_gap": ["No gap: simulation and readings differ by no more than noise and numerics."],
     }[found.verdict]
-    for name, one in found.held_out.items():
-        if found.rounds:
-            told.append(_proof(name, one))
+    told += [
+        _proof(name, one) if found.rounds else _as_stated(name, one)
+        for name, one in found.held_out.items()
+    ]
     return [*told, *found.remarks]
+
+
+def _as_stated(name: str, one: HeldOut) -> str:
+    """What a run that was not fitted says of a model to which nothing was added."""
+    return (
+        f"On {name}, which was not fitted, the difference is {one.rms_before:.3g} K, "
+        f"at a noise of {one.noise:.3g} K."
+    )
 
 
 def _proof(name: str, one: HeldOut) -> str:
