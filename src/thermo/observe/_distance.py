@@ -42,7 +42,10 @@ def check_distance(distance: Float[np.ndarray, " samples"], *, diagonal: float, 
 
 def _remedy(median: float, diagonal: float) -> str:
     if median > 100 * diagonal:
-        return "the points look like millimetres: give them in metres; or check the surface's unit"
+        return (
+            "the points look like millimetres: give them in metres, or name the columns of a CSV "
+            "file, that of the sensors too, x_mm, y_mm, z_mm; or check the surface's unit"
+        )
     if median <= _MEDIAN_SHARE * diagonal:
         return "drop the stray samples from points and temperature; reflections often cause them"
     return "check that points and surface share one frame (registration) and are both in metres"
