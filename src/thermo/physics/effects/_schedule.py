@@ -24,7 +24,17 @@ class History(eqx.Module):
 
     def at(self, time: Time) -> Float[Array, ""]:
         """Value at a time [s], in the unit of `value`, e.g. [K]."""
-        return jnp.interp(jnp.asarray(time), self.time, self.value)
+        time = jnp.asarray(time)
+        # All points are compared at once, where `jnp.interp` would bisect: XLA (seen with JAX
+        # 0.11) does not compile a bisection within a loop over steps for a GPU.
+        after = jnp.searchsorted(self.time, time, side="right", method="compare_all")
+        last = self.time.size - 1
+        after = jnp.clip(after, min(1, last), last)
+        begin, end = self.time[after - 1], self.time[after]
+        share = (time - begin) / jnp.where(end > begin, end - begin, 1.0)
+        within = self.value[after - 1] + share * (self.value[after] - self.value[after - 1])
+        within = jnp.where(time < self.time[0], self.value[0], within)
+        return jnp.where(time > self.time[-1], self.value[-1], within)
 
 
 @final
