@@ -29,7 +29,7 @@ FITS = {
 }
 REPORTS = {
     "6 unknowns": [f"unknown=[{BODY},heater_power,camera_emissivity]", "field=uniform"],
-    "field on 300 points": ["unknown=[conductivity]", "field=two_materials", "controls=300"],
+    "field on 300 points": ["controls=300"],
 }
 
 

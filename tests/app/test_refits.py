@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -35,3 +36,23 @@ def test_noise_is_learnt_from_the_residual_and_hides_no_misfit(block: Path, tmp_
     # Against the noise that second differences show they are a misfit.
     assert found.misfit is not None and found.misfit > 5
     assert found.profiles["convection"].kind == "bounded"
+
+
+def test_a_fit_is_left_when_its_time_is_spent(
+    block: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = {
+        "runs": ("cooling",), "unknown": ("convection",), "initial": {"conductivity": 0.8},
+        "meshing": Meshing(order=1, max_nodes=600, corrected=False, cache=tmp_path),
+        "stepping": Stepping(tolerance=0.1),
+    }  # fmt: skip
+    hours = iter(range(10))
+    clock = SimpleNamespace(monotonic=lambda: 3600.0 * next(hours))
+    monkeypatch.setattr("thermo.app._refits.time", clock)
+    # The second simulation of the first fit begins after an hour and a half.
+    found = refit(read_scene(block), asked, {}, 0.01, Wanted(5400.0, (3.0,), 0, 0))
+    assert found.basins is None and found.profiles == {}
+    assert [one.split(":")[0] for one in found.left_out[-2:]] == [
+        "Basins", "Profiles of convection",
+    ]  # fmt: skip
+    assert next(hours) == 4

@@ -82,12 +82,6 @@ def test_bounds_hold_and_what_has_no_effect_stays() -> None:
         basins(linear(matrix, np.zeros(2)), STARTS, bounds=[[1.0, 0.0], [-5.0, 5.0]])
 
 
-def test_fits_are_counted() -> None:
-    told: list[int] = []
-    basins(linear(line(), np.zeros(2)), STARTS, draws=2, on_fit=told.append)
-    assert told == list(range(1, 10))
-
-
 def test_fits_that_settle_nowhere_belong_to_no_basin() -> None:
     def downhill(at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         # The slope has the wrong sign: no step helps.

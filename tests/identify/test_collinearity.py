@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -64,3 +66,14 @@ def test_what_no_run_shows_is_like_nothing() -> None:
 def test_equal_effects_have_a_finite_index() -> None:
     (one,) = alike(at(turned(0.0)))
     assert np.isfinite(one.index) and one.index > 1e6
+
+
+def test_many_unknowns_are_looked_at_in_seconds() -> None:
+    random = np.random.default_rng(2)
+    columns = random.standard_normal((400, 150))
+    columns[:, 7] = columns[:, 3] + columns[:, 5] + 1e-3 * columns[:, 7]
+    many = Sensitivity(("conductivity",) * 150, {"run": columns[None]}, {"run": 0.1})
+    begun = time.perf_counter()
+    (one,) = alike(many)
+    assert one.names == ("conductivity[3]", "conductivity[5]", "conductivity[7]")
+    assert time.perf_counter() - begun < 30

@@ -164,13 +164,6 @@ def test_a_search_that_stalls_is_called_failed() -> None:
     assert profile(stubborn, np.array([0.0, 0.0]), 0).kind == "failed"
 
 
-def test_points_are_told() -> None:
-    told: list[int] = []
-    model, _, _ = linear(0)
-    found = profile(model, np.zeros(3), 0, on_point=told.append)
-    assert len(told) == len(found.values) - 1
-
-
 def test_a_lamp_bounds_a_conductivity_and_cooling_alone_does_not(tmp_path: Path) -> None:
     block = write_block(tmp_path / "block")
 

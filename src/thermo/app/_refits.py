@@ -9,7 +9,7 @@ from typing import Any, final
 
 import numpy as np
 
-from thermo.identify import Basins, Profile, basins, profile
+from thermo.identify import Basins, Model, Profile, basins, profile
 from thermo.inverse import LogModel, Prior, log_model, residual_noises, with_noise
 from thermo.observe import ResidualNoise, Scene
 
@@ -51,7 +51,7 @@ class _OutOfTime(Exception):
 def refit(
     scene: Scene, asked: dict[str, Any], prior: dict[str, float], model_error: float, wanted: Wanted
 ) -> Refits:
-    """Fits from other starts and profiles of all unknowns.
+    """Fits from other starts and profiles of all unknowns, none simulated once time is spent.
 
     Arguments: `asked`, `prior` and `model_error` [K] as for `thermo.inverse.log_model`.
     """
@@ -59,24 +59,25 @@ def refit(
     # What is compiled by the first call is not counted.
     residual, _ = model(model.first)
 
-    def watch(count: int) -> None:
-        del count
-        if time.monotonic() - begun > wanted.budget:
-            raise _OutOfTime
-
     used = sum(float(case.used.sum()) for case in model.objective.cases)
     misfit = float(np.sqrt(np.sum(residual**2) / used))
     # What the residual is beyond the noise that was known before it has to show in the misfit.
     noise = residual_noises(model, scene)
     model = with_noise(model, scene, noise, model_error=model_error)
-    begun = time.monotonic()
     found = Refits(misfit=misfit, defect=model.defect(), noise=noise)
-    _basins(model, wanted, watch, found)
-    _profiles(model, wanted, watch, found)
+    ends = time.monotonic() + wanted.budget
+
+    def timed(unknowns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        if time.monotonic() > ends:
+            raise _OutOfTime
+        return model(unknowns)
+
+    _basins(timed, model, wanted, found)
+    _profiles(timed, model, wanted, found)
     return found
 
 
-def _basins(model: LogModel, wanted: Wanted, watch: Any, found: Refits) -> None:
+def _basins(timed: Model, model: LogModel, wanted: Wanted, found: Refits) -> None:
     if not wanted.starts:
         found.left_out.append("Basins and scatter: no starts were given.")
         return
@@ -84,19 +85,18 @@ def _basins(model: LogModel, wanted: Wanted, watch: Any, found: Refits) -> None:
         found.left_out.append("Scatter over draws of the noise: draws is 0.")
     low, high = model.bounds.T
     starts = [np.clip(model.first + np.log(factor), low, high) for factor in (1.0, *wanted.starts)]
-    asked = {"bounds": model.bounds, "draws": wanted.draws, "seed": wanted.seed, "on_fit": watch}
+    asked = {"bounds": model.bounds, "draws": wanted.draws, "seed": wanted.seed}
     try:
-        found.basins = basins(model, np.array(starts), **asked)
+        found.basins = basins(timed, np.array(starts), **asked)
     except _OutOfTime:
         left = f"Basins: {wanted.budget:g} s were spent on them in vain, raise budget."
         found.left_out.append(left)
 
 
-def _profiles(model: LogModel, wanted: Wanted, watch: Any, found: Refits) -> None:
+def _profiles(timed: Model, model: LogModel, wanted: Wanted, found: Refits) -> None:
     for place, name in enumerate(model.names):
         try:
-            watch(0)
-            made = profile(model, model.first, place, bounds=model.bounds, on_point=watch)
+            made = profile(timed, model.first, place, bounds=model.bounds)
         except _OutOfTime:
             missed = ", ".join(model.names[place:])
             left = f"Profiles of {missed}: {wanted.budget:g} s were spent, raise budget."

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -79,7 +79,7 @@ def region_means(
 ) -> tuple[list[RegionMean], list[str]]:
     """The mean of each field over each region with its profile, and in words what was not made.
 
-    No profile goes on once `budget` [s] is spent on them; compiling is not counted.
+    Nothing is simulated once `budget` [s] is spent on them; compiling is not counted.
     """
     means = [
         region_mean(left, name, region, inside)
@@ -90,12 +90,18 @@ def region_means(
         return means, [f"Profiles of means over regions: budget is {budget:g}."] if means else []
     if means:
         left.loss.of(left.loss.first)
-    watch = _watch(budget)
+    plain, ends = left.loss.of, time.monotonic() + budget
+
+    def timed(departures: np.ndarray) -> tuple[float, np.ndarray]:
+        if time.monotonic() > ends:
+            raise _OutOfTime
+        return plain(departures)
+
+    left = replace(left, loss=replace(left.loss, of=timed))
     for place, mean in enumerate(means):
         try:
-            watch(0)
             inside = regions[mean.region]
-            made = region_profile(left, mean.quantity, inside, on_point=watch)
+            made = region_profile(left, mean.quantity, inside)
         except _OutOfTime:
             missed = ", ".join(f"{one.quantity} over {one.region}" for one in means[place:])
             return means, [f"Profiles of means, {missed}: {budget:g} s were spent, raise budget."]
@@ -107,17 +113,6 @@ def region_means(
 
 class _OutOfTime(Exception):
     """The time is spent."""
-
-
-def _watch(budget: float) -> Callable[[int], None]:
-    begun = time.monotonic()
-
-    def watch(count: int) -> None:
-        del count
-        if time.monotonic() - begun > budget:
-            raise _OutOfTime
-
-    return watch
 
 
 def mean_sentences(means: list[RegionMean]) -> list[str]:

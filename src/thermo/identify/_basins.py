@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, final
 
@@ -66,7 +65,6 @@ def basins(
     bounds: Bounds | None = None,
     draws: int = 0,
     seed: int = 0,
-    on_fit: Callable[[int], object] = lambda _: None,
 ) -> Basins:
     """Fit from each first value, and again with each draw of the noise.
 
@@ -75,7 +73,6 @@ def basins(
     - `model`: whitened residual, priors included, and its Jacobian, at unknowns [1].
     - `starts`: first values (starts, unknowns) [1]; `bounds`: of the unknowns, none by default.
     - `draws`: of the noise [1], standard normal deviates added to the residual; `seed`: of these.
-    - `on_fit`: told how many fits are done.
 
     End points are one where they lie within 0.1 standard deviations of each other, in the metric
     of the information there, and within 0.01 in chi squared.
@@ -86,23 +83,15 @@ def basins(
     """
     starts = np.atleast_2d(np.asarray(starts, float))
     limits = checked_bounds(bounds, starts.shape[1])
-    count = 0
-
-    def fit(drawn: Model, start: Float[np.ndarray, " unknowns"]) -> Point:
-        nonlocal count
-        point = settle(drawn, start, limits)
-        count += 1
-        on_fit(count)
-        return point
-
-    ends = [fit(model, start) for start in starts]
+    ends = [settle(model, start, limits) for start in starts]
     order, of_start = _merged(ends)
     best = ends[order[0]]
     random = np.random.default_rng(seed)
     moved = []
     for _ in range(draws):
         error = random.standard_normal(best.residual.shape)
-        moved.append([fit(_with(model, error), end.unknowns).unknowns for end in ends])
+        other = _with(model, error)
+        moved.append([settle(other, end.unknowns, limits).unknowns for end in ends])
     # (draws, starts, unknowns); each fit begins where the one without that noise ended.
     every = np.array(moved).reshape(draws, len(starts), -1) if draws else np.zeros((1, 1, 1))
     return Basins(

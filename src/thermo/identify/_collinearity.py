@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, islice
+from math import comb
 from typing import Final, final
 
 import numpy as np
@@ -19,6 +20,12 @@ twentieth of it."""
 
 LARGEST: Final = 4
 """Sets of up to this many unknowns are all looked at [1]."""
+
+MOST: Final = 1_000_000
+"""Sets of one size [1] beyond which none of that size is looked at: those of four of 70 unknowns,
+in seconds."""
+
+_AT_ONCE: Final = 10_000
 
 
 @final
@@ -41,8 +48,9 @@ def alike(at: Sensitivity, *, model_error: float = 0.01) -> list[Alike]:
     """Smallest sets of unknowns whose effects are nearly dependent, the worst first.
 
     gamma = 1 / sqrt(least eigenvalue of S'S), with the columns of S those of L^-1 J at length 1,
-    C = LL' the covariance of the readings. All sets of up to four are looked at; where none of
-    them is alike and all unknowns together are, unknowns are dropped as long as the rest is.
+    C = LL' the covariance of the readings. All sets of up to four are looked at, of many unknowns
+    of fewer (`MOST`); where none of them is alike and all unknowns together are, unknowns are
+    dropped as long as the rest is.
 
     Arguments:
 
@@ -60,9 +68,8 @@ def alike(at: Sensitivity, *, model_error: float = 0.01) -> list[Alike]:
     cosines = square[np.ix_(seen, seen)] / np.outer(length, length)
     names = [numbered(at.names)[number] for number in seen]
     found: list[tuple[int, ...]] = []
-    for picked in _candidates(len(seen)):
-        apart = not any(set(smaller) <= set(picked) for smaller in found)
-        if apart and _index(cosines, picked) > WARNED:
+    for picked in _near(cosines):
+        if not any(set(smaller) <= set(picked) for smaller in found):
             found.append(picked)
     every = tuple(range(len(seen)))
     if not found and len(seen) > LARGEST and _index(cosines, every) > WARNED:
@@ -78,9 +85,18 @@ def alike(at: Sensitivity, *, model_error: float = 0.01) -> list[Alike]:
     return sorted(sets, key=lambda one: -one.index)
 
 
-def _candidates(count: int) -> Iterator[tuple[int, ...]]:
+def _near(cosines: Float[np.ndarray, "unknowns unknowns"]) -> Iterator[tuple[int, ...]]:
+    """Sets whose index is too large, the smallest first; many matrices at once."""
+    count = len(cosines)
     for size in range(2, min(LARGEST, count) + 1):
-        yield from combinations(range(count), size)
+        if comb(count, size) > MOST:
+            return
+        every = combinations(range(count), size)
+        while some := list(islice(every, _AT_ONCE)):
+            picked = np.array(some)
+            parts = cosines[picked[:, :, None], picked[:, None, :]]
+            least = np.linalg.eigvalsh(parts)[:, 0]
+            yield from (some[number] for number in np.flatnonzero(least < WARNED**-2))
 
 
 def _index(cosines: Float[np.ndarray, "unknowns unknowns"], picked: tuple[int, ...]) -> float:

@@ -163,7 +163,6 @@ def follow(
     way: int,
     bounds: Float[np.ndarray, "unknowns 2"],
     level: float,
-    on_point: Callable[[int], object],
 ) -> Path:
     """Points on one side of an optimum, until chi squared has risen by `level` [1] or a bound.
 
@@ -179,7 +178,6 @@ def follow(
         guess = before.unknowns + way * length * before.others(number)
         here = settle(model, guess, bounds, number)
         points.append(here)
-        on_point(len(points))
         if here.chi2 - at.chi2 >= level:
             return Path(points, _passed(at, before, here, number, level), at.chi2)
         before = here

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, Literal, final
 
@@ -70,7 +69,6 @@ def profile(
     *,
     bounds: Bounds | None = None,
     level: float = LEVEL,
-    on_point: Callable[[int], object] = lambda _: None,
 ) -> Profile:
     """min over the others of |r(u)|^2, for values of one unknown on both sides of the best.
 
@@ -80,7 +78,6 @@ def profile(
     - `start`: near the optimum, which is sought first (unknowns,) [1].
     - `bounds`: of the unknowns, none by default (unknowns, 2) [1].
     - `level`: rise of chi squared at the ends of the interval [1], 3.84 for 95 %.
-    - `on_point`: told how many points are done.
 
     Steps are laid for equal rises of chi squared, each begins where the curvature expects the
     others, and ends where nothing more is to be gained. A better optimum on the way begins
@@ -100,7 +97,7 @@ def profile(
     limits = checked_bounds(bounds, len(start))
     at = settle(model, start, limits)
     for _ in range(RESTARTS + 1):
-        paths = [follow(model, at, number, way, limits, level, on_point) for way in (-1, 1)]
+        paths = [follow(model, at, number, way, limits, level) for way in (-1, 1)]
         lowest = min((point for path in paths for point in path.points), key=_height, default=at)
         if lowest.chi2 >= at.chi2 - LOWER:
             break

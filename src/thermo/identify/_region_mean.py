@@ -63,7 +63,6 @@ def region_profile(
     inside: Bool[np.ndarray, " faces"],
     *,
     level: float = LEVEL,
-    on_point: Callable[[int], object] = lambda _: None,
 ) -> Profile:
     """min over all fields of chi^2, for values of the log of a mean on both sides of the best.
 
@@ -82,7 +81,6 @@ def region_profile(
     - `left`: what the data leave open of fields [1], with its `loss`.
     - `name`: of the field; `inside`: whether a face belongs to the region, (faces,).
     - `level`: rise of chi squared at the ends of the interval [1], 3.84 for 95 %.
-    - `on_point`: told how many points are done.
 
     The smoothness is the one that is most probable; errors of cells and steps that are left count
     for nothing: the deviation of `region_mean` has both, `Profile.linear` neither.
@@ -103,7 +101,7 @@ def region_profile(
     bounds = np.tile([-np.inf, np.inf], (len(start), 1))
     quantity = left.fields[name].quantity
     bounds[0] = np.log([quantity.lower, quantity.upper])
-    return profile(model, start, 0, bounds=bounds, level=level, on_point=on_point)
+    return profile(model, start, 0, bounds=bounds, level=level)
 
 
 @final
