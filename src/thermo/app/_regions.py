@@ -6,7 +6,7 @@ import sys
 import time
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from jaxtyping import Bool
@@ -17,6 +17,10 @@ from thermo.errors import InputError
 from thermo.identify import SURFACE, RegionMean, region_mean, region_profile
 from thermo.inverse import FieldPosterior, load_estimate
 from thermo.mesh import faces_where
+
+LEAST: Final = 14
+"""Simulations [1] that a profile takes where the sum of squares is a parabola: `region_profile` on
+a linear case."""
 
 Regions = Mapping[str, Bool[np.ndarray, " faces"]]
 """By name, whether a face of the fit's mesh belongs to it."""
@@ -79,7 +83,8 @@ def region_means(
 ) -> tuple[list[RegionMean], list[str]]:
     """The mean of each field over each region with its profile, and in words what was not made.
 
-    Nothing is simulated once `budget` [s] is spent on them; compiling is not counted.
+    Nothing is simulated once `budget` [s] is spent on them, and no profile is begun for which the
+    rest of it cannot suffice; compiling is not counted.
     """
     means = [
         region_mean(left, name, region, inside)
@@ -88,9 +93,13 @@ def region_means(
     ]
     if budget <= 0 or left.loss is None:
         return means, [f"Profiles of means over regions: budget is {budget:g}."] if means else []
-    if means:
-        left.loss.of(left.loss.first)
-    plain, ends = left.loss.of, time.monotonic() + budget
+    if not means:
+        return means, []
+    plain = left.loss.of
+    plain(left.loss.first)
+    begun = time.monotonic()
+    plain(left.loss.first)
+    each, ends = time.monotonic() - begun, begun + budget
 
     def timed(departures: np.ndarray) -> tuple[float, np.ndarray]:
         if time.monotonic() > ends:
@@ -100,19 +109,28 @@ def region_means(
     left = replace(left, loss=replace(left.loss, of=timed))
     for place, mean in enumerate(means):
         try:
-            inside = regions[mean.region]
-            made = region_profile(left, mean.quantity, inside)
+            if time.monotonic() + LEAST * each > ends:
+                raise _OutOfTime
+            made = region_profile(left, mean.quantity, regions[mean.region])
         except _OutOfTime:
-            missed = ", ".join(f"{one.quantity} over {one.region}" for one in means[place:])
-            return means, [f"Profiles of means, {missed}: {budget:g} s were spent, raise budget."]
+            return means, [_missed(means[place:], budget, each)]
         means[place] = replace(mean, profile=made)
         words = f"profile of the mean of {mean.quantity} over {mean.region}: {made.kind}"
         print(words, file=sys.stderr)
     return means, []
 
 
+def _missed(means: list[RegionMean], budget: float, each: float) -> str:
+    """Which profiles there was no time for, and what they take."""
+    which = ", ".join(f"{one.quantity} over {one.region}" for one in means)
+    return (
+        f"Profiles of means, {which}: {budget:g} s do not suffice, one takes {LEAST} simulations "
+        f"of {each:.2g} s or more; raise budget."
+    )
+
+
 class _OutOfTime(Exception):
-    """The time is spent."""
+    """The time is spent, or what is left of it is too short."""
 
 
 def mean_sentences(means: list[RegionMean]) -> list[str]:
