@@ -48,11 +48,11 @@ def test_a_fit_is_left_when_its_time_is_spent(
     }  # fmt: skip
     hours = iter(range(10))
     clock = SimpleNamespace(monotonic=lambda: 3600.0 * next(hours))
-    monkeypatch.setattr("thermo.app._refits.time", clock)
+    monkeypatch.setattr("thermo.app._time_limit.time", clock)
     # The second simulation of the first fit begins after an hour and a half.
     found = refit(read_scene(block), asked, {}, 0.01, Wanted(5400.0, (3.0,), 0, 0))
     assert found.basins is None and found.profiles == {}
-    assert [one.split(":")[0] for one in found.left_out[-2:]] == [
-        "Basins", "Profiles of convection",
+    assert [one.split(" (")[0] for one in found.left_out[-2:]] == [
+        "Basins: 5400 s did not suffice", "Profiles of convection: 5400 s did not suffice",
     ]  # fmt: skip
-    assert next(hours) == 4
+    assert all("simulations made: 1," in one for one in found.left_out[-2:])

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import sys
-import time
 from dataclasses import dataclass, field
 from typing import Any, final
 
 import numpy as np
 
-from thermo.identify import Basins, Model, Profile, basins, profile
+from thermo.app._time_limit import OutOfTime, TimeLimit
+from thermo.identify import Basins, Profile, basins, profile
 from thermo.inverse import LogModel, Prior, log_model, residual_noises, with_noise
 from thermo.observe import ResidualNoise, Scene
 
@@ -44,10 +44,6 @@ class Refits:
     left_out: list[str] = field(default_factory=list)
 
 
-class _OutOfTime(Exception):
-    """The time is spent."""
-
-
 def refit(
     scene: Scene, asked: dict[str, Any], prior: dict[str, float], model_error: float, wanted: Wanted
 ) -> Refits:
@@ -55,29 +51,24 @@ def refit(
 
     Arguments: `asked`, `prior` and `model_error` [K] as for `thermo.inverse.log_model`.
     """
+    words = "measuring what the fit's cells and steps make wrong; then for {:g} s at most fits from"
+    print(words.format(wanted.budget), "other starts and profiles", file=sys.stderr)
     model = log_model(scene, prior=Prior(spread=prior), model_error=model_error, **asked)
     # What is compiled by the first call is not counted.
     residual, _ = model(model.first)
-
     used = sum(float(case.used.sum()) for case in model.objective.cases)
     misfit = float(np.sqrt(np.sum(residual**2) / used))
     # What the residual is beyond the noise that was known before it has to show in the misfit.
     noise = residual_noises(model, scene)
     model = with_noise(model, scene, noise, model_error=model_error)
     found = Refits(misfit=misfit, defect=model.defect(), noise=noise)
-    ends = time.monotonic() + wanted.budget
-
-    def timed(unknowns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        if time.monotonic() > ends:
-            raise _OutOfTime
-        return model(unknowns)
-
-    _basins(timed, model, wanted, found)
-    _profiles(timed, model, wanted, found)
+    limit = TimeLimit(wanted.budget)
+    _basins(model, wanted, limit, found)
+    _profiles(model, limit, found)
     return found
 
 
-def _basins(timed: Model, model: LogModel, wanted: Wanted, found: Refits) -> None:
+def _basins(model: LogModel, wanted: Wanted, limit: TimeLimit, found: Refits) -> None:
     if not wanted.starts:
         found.left_out.append("Basins and scatter: no starts were given.")
         return
@@ -87,20 +78,18 @@ def _basins(timed: Model, model: LogModel, wanted: Wanted, found: Refits) -> Non
     starts = [np.clip(model.first + np.log(factor), low, high) for factor in (1.0, *wanted.starts)]
     asked = {"bounds": model.bounds, "draws": wanted.draws, "seed": wanted.seed}
     try:
-        found.basins = basins(timed, np.array(starts), **asked)
-    except _OutOfTime:
-        left = f"Basins: {wanted.budget:g} s were spent on them in vain, raise budget."
-        found.left_out.append(left)
+        found.basins = basins(limit.watched(model), np.array(starts), **asked)
+    except OutOfTime:
+        found.left_out.append(f"Basins: {limit.words()}.")
 
 
-def _profiles(timed: Model, model: LogModel, wanted: Wanted, found: Refits) -> None:
+def _profiles(model: LogModel, limit: TimeLimit, found: Refits) -> None:
     for place, name in enumerate(model.names):
         try:
-            made = profile(timed, model.first, place, bounds=model.bounds)
-        except _OutOfTime:
+            made = profile(limit.watched(model), model.first, place, bounds=model.bounds)
+        except OutOfTime:
             missed = ", ".join(model.names[place:])
-            left = f"Profiles of {missed}: {wanted.budget:g} s were spent, raise budget."
-            found.left_out.append(left)
+            found.left_out.append(f"Profiles of {missed}: {limit.words()}.")
             return
         found.profiles[name] = made
         print(f"profile of {name}: {made.kind}", file=sys.stderr)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import time
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Final
@@ -13,6 +12,7 @@ from jaxtyping import Bool
 
 from thermo.app._configuration import number
 from thermo.app._fitted import Fitted
+from thermo.app._time_limit import OutOfTime, TimeLimit
 from thermo.errors import InputError
 from thermo.identify import SURFACE, RegionMean, region_mean, region_profile
 from thermo.inverse import FieldPosterior, load_estimate
@@ -97,40 +97,22 @@ def region_means(
         return means, []
     plain = left.loss.of
     plain(left.loss.first)
-    begun = time.monotonic()
-    plain(left.loss.first)
-    each, ends = time.monotonic() - begun, begun + budget
-
-    def timed(departures: np.ndarray) -> tuple[float, np.ndarray]:
-        if time.monotonic() > ends:
-            raise _OutOfTime
-        return plain(departures)
-
-    left = replace(left, loss=replace(left.loss, of=timed))
+    limit = TimeLimit(budget)
+    watched = limit.watched(plain)
+    watched(left.loss.first)
+    left = replace(left, loss=replace(left.loss, of=watched))
     for place, mean in enumerate(means):
         try:
-            if time.monotonic() + LEAST * each > ends:
-                raise _OutOfTime
+            limit.require(LEAST)
             made = region_profile(left, mean.quantity, regions[mean.region])
-        except _OutOfTime:
-            return means, [_missed(means[place:], budget, each)]
+        except OutOfTime:
+            which = ", ".join(f"{one.quantity} over {one.region}" for one in means[place:])
+            takes = f"one profile takes {LEAST} or more"
+            return means, [f"Profiles of means, {which}: {limit.words()}, {takes}."]
         means[place] = replace(mean, profile=made)
         words = f"profile of the mean of {mean.quantity} over {mean.region}: {made.kind}"
         print(words, file=sys.stderr)
     return means, []
-
-
-def _missed(means: list[RegionMean], budget: float, each: float) -> str:
-    """Which profiles there was no time for, and what they take."""
-    which = ", ".join(f"{one.quantity} over {one.region}" for one in means)
-    return (
-        f"Profiles of means, {which}: {budget:g} s do not suffice, one takes {LEAST} simulations "
-        f"of {each:.2g} s or more; raise budget."
-    )
-
-
-class _OutOfTime(Exception):
-    """The time is spent, or what is left of it is too short."""
 
 
 def mean_sentences(means: list[RegionMean]) -> list[str]:
