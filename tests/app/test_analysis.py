@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from thermo.app._analysis import allowing, learnt, whole_frames
+from thermo.app._analysis import allowing, first_guesses, learnt, whole_frames
 from thermo.inverse import DEFECT_SPREAD, Sensitivity
-from thermo.observe import Noise, ResidualNoise
+from thermo.observe import Noise, ResidualNoise, read_scene
 
 
 @pytest.mark.parametrize(("corrected", "left"), [(True, DEFECT_SPREAD), (False, 1.0)])
@@ -41,3 +42,15 @@ def test_whole_frames_that_are_off_together_are_told_of() -> None:
     assert whole_frames(at) == []
     (said,) = whole_frames(replace(at, common={"a": (0.034, 0.01), "b": (0.0, 0.0)}))
     assert said.startswith("Whole frames are off together, by 0.034 K in a; ")
+
+
+def test_a_value_of_which_nothing_is_stated_is_told_to_be_a_guess(block: Path) -> None:
+    scene = read_scene(block)
+    names = ("conductivity", "convection", "volumetric_heat_capacity", "heater_power")
+    unknown = replace(scene, convection=None, unknown=("conductivity", "convection"))
+    (said,) = first_guesses(unknown, {"convection": None}, names)
+    assert said.startswith("Nothing is stated of convection") and "initial.convection=" in said
+    assert first_guesses(unknown, {"convection": 12.0}, names) == []
+    assert first_guesses(scene, {}, names) == []
+    bare = replace(scene, material=replace(scene.material, conductivity=None))
+    assert len(first_guesses(bare, {}, ("diffusivity", "scaled_emissivity"))) == 1

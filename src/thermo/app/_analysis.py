@@ -86,6 +86,7 @@ class Analysis:
             *whole_frames(at),
             *_moved(moved),
             *_next(chosen),
+            *([] if self.fitted else first_guesses(self.scene, self.settings["initial"], at.names)),
         ]
         record |= {"next_runs": [asdict(one) for one in chosen]}
         record |= {"means": [mean_record(one) for one in left.means]}
@@ -132,6 +133,29 @@ def _of_fields(found: Identifiability, left: FieldPosterior) -> Identifiability:
     """The verdicts on the means of fields in place of those on one value each."""
     means = {item.name: item for item in field_findings(left, wanted=found.wanted)}
     return replace(found, findings=[means.get(item.name, item) for item in found.findings])
+
+
+def first_guesses(
+    scene: Scene, initial: Mapping[str, float | None], names: tuple[str, ...]
+) -> list[str]:
+    """Which values are neither stated nor found, in words."""
+    stated = {
+        "conductivity": scene.material.conductivity,
+        "convection": scene.convection,
+        "emissivity": scene.emissivity,
+    }
+    stated["diffusivity"] = stated["conductivity"]
+    stated |= {f"scaled_{name}": stated[name] for name in ("convection", "emissivity")}
+    guessed = [
+        name
+        for name in dict.fromkeys(names)
+        if name in stated and stated[name] is None and initial.get(name) is None
+    ]
+    return [
+        f"Nothing is stated of {name}: its value here is a first guess, initial.{name}=VALUE gives "
+        "another."
+        for name in guessed
+    ]
 
 
 def _misfit(more: Refits) -> list[str]:

@@ -67,6 +67,11 @@ def identify(settings: Mapping[str, Any]) -> None:
     )
     why = _no_refits(fitted, scales, choice, refits.budget)
     none = Refits(left_out=[f"Profiles, basins and scatter: {why or 'they are being made'}."])
+    if fitted is None:
+        none.left_out.append(
+            "What cells and steps make wrong, which may well be more than the noise: no interval "
+            "here allows for it; after a fit they do."
+        )
     record, left = here.leave(out, none, FieldsLeft()), FieldsLeft()
     if fitted is not None and fitted.varies:
         left = fields_left(scene, fitted, of_fields)

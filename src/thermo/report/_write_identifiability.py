@@ -218,8 +218,8 @@ def write_identifiability(folder: Path, record: Mapping[str, Any], title: str) -
 def identifiability_table(record: Mapping[str, Any]) -> str:
     """A short table of the verdicts for a terminal."""
     rows = [
-        [name, item["unit"], f"{item['value']:.4g}", f"{item['interval95'][0]:.4g}",
-         f"{item['interval95'][1]:.4g}", f"{item['informed_by_data']:.3f}", item["verdict"]]
+        [name, item["unit"], f"{item['value']:.6g}", f"{item['interval95'][0]:.6g}",
+         f"{item['interval95'][1]:.6g}", f"{item['informed_by_data']:.3f}", item["verdict"]]
         for name, item in record["parameters"].items()
     ]  # fmt: skip
     header = ["unknown", "unit", "value", "2.5 %", "97.5 %", "informed by data", "verdict"]
