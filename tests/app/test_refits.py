@@ -52,7 +52,8 @@ def test_a_fit_is_left_when_its_time_is_spent(
     # The second simulation of the first fit begins after an hour and a half.
     found = refit(read_scene(block), asked, {}, 0.01, Wanted(5400.0, (3.0,), 0, 0))
     assert found.basins is None and found.profiles == {}
-    assert [one.split(" (")[0] for one in found.left_out[-2:]] == [
-        "Basins: 5400 s did not suffice", "Profiles of convection: 5400 s did not suffice",
+    late = [one for one in found.left_out if "did not suffice" in one]
+    assert [one.split(" (")[0] for one in late] == [
+        "Profiles of convection: 5400 s did not suffice", "Basins: 5400 s did not suffice",
     ]  # fmt: skip
-    assert all("simulations made: 1," in one for one in found.left_out[-2:])
+    assert all("simulations made: 1," in one for one in late)

@@ -47,12 +47,12 @@ class Refits:
 def refit(
     scene: Scene, asked: dict[str, Any], prior: dict[str, float], model_error: float, wanted: Wanted
 ) -> Refits:
-    """Fits from other starts and profiles of all unknowns, none simulated once time is spent.
+    """Profiles of all unknowns and fits from other starts; nothing is simulated once time is spent.
 
     Arguments: `asked`, `prior` and `model_error` [K] as for `thermo.inverse.log_model`.
     """
-    words = "measuring what the fit's cells and steps make wrong; then for {:g} s at most fits from"
-    print(words.format(wanted.budget), "other starts and profiles", file=sys.stderr)
+    words = "measuring what the fit's cells and steps make wrong; then profiles and fits from other"
+    print(words, f"starts, for {wanted.budget:g} s at most", file=sys.stderr)
     model = log_model(scene, prior=Prior(spread=prior), model_error=model_error, **asked)
     # What is compiled by the first call is not counted.
     residual, _ = model(model.first)
@@ -63,8 +63,9 @@ def refit(
     model = with_noise(model, scene, noise, model_error=model_error)
     found = Refits(misfit=misfit, defect=model.defect(), noise=noise)
     limit = TimeLimit(wanted.budget)
-    _basins(model, wanted, limit, found)
+    # Profiles say whether an interval holds, and are first where time is for one of both.
     _profiles(model, limit, found)
+    _basins(model, wanted, limit, found)
     return found
 
 
