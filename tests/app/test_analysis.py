@@ -54,3 +54,4 @@ def test_a_value_of_which_nothing_is_stated_is_told_to_be_a_guess(block: Path) -
     assert first_guesses(scene, {}, names) == []
     bare = replace(scene, material=replace(scene.material, conductivity=None))
     assert len(first_guesses(bare, {}, ("diffusivity", "scaled_emissivity"))) == 1
+    assert first_guesses(bare, {"conductivity": 2.0}, ("diffusivity",)) == []

@@ -49,7 +49,7 @@ def test_a_fit_is_left_when_its_time_is_spent(
     hours = iter(range(10))
     clock = SimpleNamespace(monotonic=lambda: 3600.0 * next(hours))
     monkeypatch.setattr("thermo.app._time_limit.time", clock)
-    # The second simulation of the first fit begins after an hour and a half.
+    # The second simulation of the profile would begin after an hour and a half.
     found = refit(read_scene(block), asked, {}, 0.01, Wanted(5400.0, (3.0,), 0, 0))
     assert found.basins is None and found.profiles == {}
     late = [one for one in found.left_out if "did not suffice" in one]

@@ -139,22 +139,20 @@ def first_guesses(
     scene: Scene, initial: Mapping[str, float | None], names: tuple[str, ...]
 ) -> list[str]:
     """Which values are neither stated nor found, in words."""
-    stated = {
-        "conductivity": scene.material.conductivity,
-        "convection": scene.convection,
-        "emissivity": scene.emissivity,
-    }
-    stated["diffusivity"] = stated["conductivity"]
-    stated |= {f"scaled_{name}": stated[name] for name in ("convection", "emissivity")}
-    guessed = [
-        name
-        for name in dict.fromkeys(names)
-        if name in stated and stated[name] is None and initial.get(name) is None
-    ]
+    guessed: set[str] = set()
+    for value, alike in (
+        (scene.material.conductivity, ("conductivity", "diffusivity")),
+        (scene.convection, ("convection", "scaled_convection")),
+        (scene.emissivity, ("emissivity", "scaled_emissivity")),
+    ):
+        # One of them tells the other, by the heat capacity.
+        if value is None and all(initial.get(name) is None for name in alike):
+            guessed |= set(alike)
     return [
         f"Nothing is stated of {name}: its value here is a first guess, initial.{name}=VALUE gives "
         "another."
-        for name in guessed
+        for name in dict.fromkeys(names)
+        if name in guessed
     ]
 
 
