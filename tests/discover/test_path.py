@@ -46,19 +46,21 @@ def searched(
     slight: bool = False,
     told: Sequence[str] = (),
     doubted: list[Standing] | None = None,
+    scored: list[Standing] | None = None,
 ) -> SearchPath:
     """A search whose standings leave so much, with so many alarms by scores.
 
     Where the first one is `slight`, it is checked on the second of the standings. Rivals are `told`
-    to take places; what is `doubted` is told as well.
+    to take places; what is `doubted` or `scored` is told as well.
     """
     doubts = [] if doubted is None else doubted
+    scores = [] if scored is None else scored
     standings = [standing(told + 50.0, 2, smooth=told) for told in left]
     table = ScoreTable([], [], 3.4, np.zeros((0, 0)), np.zeros((0, 0)))
     raised = iter([True] * alarms + [False] * 9)
     made, order = iter(rounds), iter(standings[1:])
     fakes: dict[str, Any] = {
-        "scored": lambda *_, **__: table,
+        "scored": lambda made, *_, **__: scores.append(made) or table,
         "_alarm": lambda _: next(raised),
         "_slight": lambda *_: slight,
         "checked": lambda *_: (next(order), table),
@@ -129,9 +131,12 @@ def test_beside_a_place_a_score_alone_is_no_alarm(
     monkeypatch: pytest.MonkeyPatch, left: float, count: int
 ) -> None:
     rounds = [found(0.1, 0.5, 0.9), found(0.2, 0.3, 0.9)]
-    path = searched(monkeypatch, [5000.0, left, 1.0], rounds, alarms=2, place=True)
+    scored: list[Standing] = []
+    more = {"place": True, "scored": scored}
+    path = searched(monkeypatch, [5000.0, left, 1.0], rounds, alarms=2, **more)
     assert path.word == "named" and len(path.rounds) == count
-    assert ("smooth shapes are quiet" in " ".join(path.remarks)) == (count == 1)
+    # Where shapes are quiet beside a place, no score is taken.
+    assert len(scored) == count and "quiet in smooth shapes" in path.remarks[-1]
 
 
 def test_a_fault_of_the_record_is_told_of_and_not_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -52,8 +52,8 @@ _WORTH: Final = 0.5
 # close half of it [1].
 _REACH: Final = 0.25
 _FINE: Final = (
-    "A score passes the threshold, but smooth shapes are quiet: the edges of a place are a guess, "
-    "and cells blur them, so that nothing more is read into it."
+    "What is left is as quiet in smooth shapes as noise. Beside a place, whose edges are a guess "
+    "that cells blur, scores raise no alarm and were not taken."
 )
 # What the finer cells are still wrong by may pass the threshold, hardly so many times [1].
 _SLIGHT: Final = 3.0
@@ -93,8 +93,11 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace) -> SearchPa
     rivals: dict[Active, Sequence[Refit]] = {}
     settled = doubted = begun
     for number in range(_ROUNDS):
-        pace.step(f"scoring all candidates, round {number + 1} of {_ROUNDS} at the most")
         share = 0.5**number
+        if placed(standing) and by_shapes(standing) > share * _BY_SHAPES:
+            remarks.append(_FINE)
+            break
+        pace.step(f"scoring all candidates, round {number + 1} of {_ROUNDS} at the most")
         table = scored(standing, laws, alpha=share * _BY_SCORE)
         if not number and _slight(standing, table):
             begun, table = checked(standing, laws, table, pace, remarks)
@@ -261,8 +264,6 @@ def _at_rest(standing: Standing, table: ScoreTable, calm: bool) -> list[str] | N
     """What there is to say where nothing more is looked for; None where something is."""
     if not _alarm(table) and calm:
         return []
-    if calm and placed(standing):
-        return [_FINE]
     if standing.active and _out_of_reach(standing, table):
         return [_rest(None)]
     return None
