@@ -107,7 +107,7 @@ class Around:
         true = json.loads((folder / "scene.json").read_text("utf-8"))["truth"]
         known = {
             "conductivity": float(true["conductivity"]),
-            "volumetric_heat_capacity": scene.material.density * scene.material.heat_capacity,
+            "volumetric_heat_capacity": scene.material.volumetric_heat_capacity(),
         }
         stepping = Stepping(rtol=1e-6)
         model = log_model(

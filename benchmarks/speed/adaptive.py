@@ -84,7 +84,7 @@ def bunny(data: Path) -> tuple[Problem, Heater]:
     heating = scene.runs["heating"]
     if heating.heater is None:
         raise SystemExit(f"{scene.folder}: the run `heating` has no heater; name the given bunny")
-    capacity = scene.material.density * scene.material.heat_capacity
+    capacity = scene.material.volumetric_heat_capacity()
     surface, value = read_surface(scene.surface_path), 0.1997
     sizing = sizing_from_physics(
         surface, diffusivity=value / capacity, duration=60.0, max_nodes=NODES

@@ -10,8 +10,8 @@ from box_scene import write_block
 from verdicts import estimate
 
 from thermo.discover import stated_otherwise
-from thermo.inverse import Estimate, RecoveredField, save_estimate
-from thermo.observe import Scene, read_scene
+from thermo.inverse import Estimate, RecoveredField, law_of, save_estimate
+from thermo.observe import Scene, TemperatureTable, read_scene
 
 
 @pytest.fixture(scope="module")
@@ -54,6 +54,18 @@ def test_each_other_value_is_one_remark(scene: Scene, tmp_path: Path) -> None:
     ]  # fmt: skip
     assert "convection 8 W/m2/K, this scene states 16:" in told[1]
     assert "emissivity 0.85, this scene states 0.3:" in told[2]
+
+
+def test_another_course_over_temperature_is_a_remark(scene: Scene, tmp_path: Path) -> None:
+    there = saved(tmp_path, estimate(0.0))
+    level = scene.material.volumetric_heat_capacity() / scene.material.density
+    table = TemperatureTable((273.15, 313.15), (0.5 * level, 1.5 * level))
+    grows = replace(scene, material=replace(scene.material, heat_capacity=table))
+    (told,) = stated_otherwise(there, grows)
+    assert "another course of the heat capacity over temperature" in told
+    made = estimate(0.0)
+    again = replace(made, stated=replace(made.stated, capacity_law=law_of(table)))
+    assert stated_otherwise(saved(tmp_path, again), grows) == []
 
 
 def test_a_folder_is_read_and_a_scaled_value_counts_as_found(folder: Path, tmp_path: Path) -> None:

@@ -23,6 +23,7 @@ from thermo.observe import (
     Run,
     Scene,
     StatedMaterial,
+    TemperatureTable,
     read_scene,
     write_scene,
 )
@@ -75,17 +76,31 @@ def drawn_run(draw: st.DrawFn, name: str) -> Run:
     )  # fmt: skip
 
 
+PAIRS = st.lists(
+    st.tuples(KELVIN, POSITIVE), min_size=2, max_size=4, unique_by=lambda pair: pair[0]
+)
+
+
+def drawn_property(draw: st.DrawFn) -> float | TemperatureTable:
+    """A number, or a table of temperatures."""
+    drawn = draw(POSITIVE | PAIRS)
+    if isinstance(drawn, float):
+        return drawn
+    temperature, value = zip(*sorted(drawn), strict=True)
+    return TemperatureTable(temperature, value)
+
+
 def drawn_scene(draw: st.DrawFn, folder: Path) -> Scene:
     surface = folder / "body.stl"
     surface.write_bytes(draw(st.binary(max_size=20)))
     names = draw(st.lists(st.from_regex(r"[a-z0-9][a-z0-9_.-]{0,8}", fullmatch=True),
                           min_size=1, max_size=3, unique=True))  # fmt: skip
     unknown = tuple(draw(st.lists(st.sampled_from(QUANTITIES), unique=True)))
-    guess = st.none() if "conductivity" in unknown else st.nothing()
+    unknown_conductivity = "conductivity" in unknown
     priors = st.dictionaries(st.sampled_from(QUANTITIES), POSITIVE)
     material = StatedMaterial(
-        draw(st.text(min_size=1).filter(str.strip)), draw(POSITIVE), draw(POSITIVE),
-        draw(POSITIVE | guess),
+        draw(st.text(min_size=1).filter(str.strip)), draw(POSITIVE), drawn_property(draw),
+        None if unknown_conductivity and draw(st.booleans()) else drawn_property(draw),
     )  # fmt: skip
     found = {name: drawn_run(draw, name) for name in names}
     return Scene(

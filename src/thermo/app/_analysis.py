@@ -141,7 +141,7 @@ def first_guesses(
     """Which values are neither stated nor found, in words."""
     guessed: set[str] = set()
     for value, alike in (
-        (scene.material.conductivity, ("conductivity", "diffusivity")),
+        (scene.material.first_conductivity(), ("conductivity", "diffusivity")),
         (scene.convection, ("convection", "scaled_convection")),
         (scene.emissivity, ("emissivity", "scaled_emissivity")),
     ):

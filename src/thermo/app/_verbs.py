@@ -169,7 +169,8 @@ def simulate(settings: Configuration) -> None:
     material = given(settings["material"], "material.")
     exchange = given(settings["surface_exchange"], "surface_exchange.")
     density = material.pop("density", scene.material.density)
-    capacity = density * material.pop("heat_capacity", scene.material.heat_capacity)
+    stated = scene.material.volumetric_heat_capacity() / scene.material.density
+    capacity = density * material.pop("heat_capacity", stated)
     prediction = inverse.simulate(
         scene,
         str(settings["run"]),

@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
+import equinox as eqx
 import numpy as np
 
-from thermo.inverse import load_estimate
+from thermo.inverse import law_of, load_estimate
 from thermo.observe import Scene, read_scene
 
 # Values of which a fit may have found another one: then what is stated takes no part.
@@ -38,16 +39,26 @@ def stated_otherwise(folder: str | Path, data: Scene | str | Path) -> list[str]:
     _, _, stated, fields = load_estimate(Path(folder) / "estimate.npz")
     material = scene.material
     here = {
-        "conductivity": material.conductivity,
-        "volumetric_heat_capacity": material.density * material.heat_capacity,
+        "conductivity": material.first_conductivity(),
+        "volumetric_heat_capacity": material.volumetric_heat_capacity(),
         "convection": scene.convection,
         "emissivity": scene.emissivity,
     }
-    return [
+    told = [
         f"The estimate was made with {name} {stated.of(name):.6g} {_UNITS[name]}".rstrip()
         + f", this scene states {value:.6g}: the former is taken."
         for name, value in here.items()
         if value is not None
         and not set(_FOUND_AS[name]) & set(fields)
         and not np.isclose(stated.of(name), value, rtol=_SAME, atol=0.0)
+    ]
+    courses = (
+        ("conductivity", stated.conductivity_law, material.conductivity),
+        ("heat capacity", stated.capacity_law, material.heat_capacity),
+    )
+    return told + [
+        f"The estimate was made with another course of the {name} over temperature than this "
+        "scene states: the former is taken."
+        for name, law, value in courses
+        if not eqx.tree_equal(law, law_of(value), rtol=_SAME)
     ]

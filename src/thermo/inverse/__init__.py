@@ -59,6 +59,7 @@ from thermo.inverse._objective import (
 from thermo.inverse._optimiser import AbstractOptimiser
 from thermo.inverse._posterior import CONTROLS, posterior
 from thermo.inverse._predict import PREDICTION_NODES, predict, simulate
+from thermo.inverse._properties import law_of
 from thermo.inverse._reading_errors import whiten
 from thermo.inverse._residual_noise import residual_noises, with_noise
 from thermo.inverse._scale import SCALES, Scale
@@ -131,6 +132,7 @@ __all__ = [
     "field_scores",
     "finer_readings",
     "invert",
+    "law_of",
     "lay_out",
     "load_checkpoint",
     "load_estimate",

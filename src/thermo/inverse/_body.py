@@ -11,7 +11,7 @@ import numpy as np
 from thermo.errors import InputError
 from thermo.fields import QUANTITIES
 from thermo.inverse._conditions import conditions, make_model
-from thermo.inverse._properties import Stated, properties
+from thermo.inverse._properties import Stated, law_of, properties
 from thermo.inverse._side_by_side import solve_each
 from thermo.mesh import (
     Fine,
@@ -100,9 +100,9 @@ def surface_of(scene: Scene) -> Surface:
 
 def state(scene: Scene, initial: dict[str, float], conductivity: float) -> Stated:
     """Uniform values [SI]: `initial`, then the scene's, then `conductivity` [W/m/K]."""
-    capacity = scene.material.density * scene.material.heat_capacity
+    capacity = scene.material.volumetric_heat_capacity()
     given = Stated(
-        conductivity=scene.material.conductivity or conductivity,
+        conductivity=scene.material.first_conductivity() or conductivity,
         capacity=capacity,
         convection=10.0 if scene.convection is None else scene.convection,
         emissivity=0.8 if scene.emissivity is None else scene.emissivity,
@@ -117,7 +117,9 @@ def state(scene: Scene, initial: dict[str, float], conductivity: float) -> State
     emissivity = initial.get("emissivity", given.emissivity)
     if "scaled_emissivity" in initial:
         emissivity = initial["scaled_emissivity"] * capacity
-    return Stated(conductivity, capacity, convection, emissivity)
+    material = scene.material
+    laws = law_of(material.conductivity), law_of(material.heat_capacity)
+    return Stated(conductivity, capacity, convection, emissivity, *laws)
 
 
 MAY_VANISH = ("convection", "emissivity", "scaled_convection", "scaled_emissivity")

@@ -176,5 +176,6 @@ def make_model(
         Heating(under.power, under.profile, under.schedule),
     )
     return Model(
-        space, body.conductivity, body.capacity, surface=surface, prescribed=under.prescribed
-    )
+        space, body.conductivity, body.capacity, surface=surface, prescribed=under.prescribed,
+        conductivity_law=body.conductivity_law, capacity_law=body.capacity_law,
+    )  # fmt: skip

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import final
 from zipfile import BadZipFile
 
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
@@ -18,10 +19,12 @@ from thermo.inverse._properties import Stated
 from thermo.inverse._scale_effect import ScaleEffect
 from thermo.mesh import Mesh, face_areas, mesh_from_cells
 from thermo.observe import replacing
+from thermo.physics.effects import TabulatedLaw
 
 FORMAT = "thermofield-estimate/1"
 PARTS = ("points", "heights", "levels")
 FAULTS = (OSError, EOFError, KeyError, ValueError, BadZipFile, zlib.error)
+LAWS = ("conductivity_law", "capacity_law")
 EFFECT = "effect/"
 """Begins the names of arrays of effects."""
 
@@ -164,6 +167,10 @@ def save_estimate(
             [stated.conductivity, stated.capacity, stated.convection, stated.emissivity]
         ),
     }
+    for name in LAWS:
+        law = getattr(stated, name)
+        if law is not None:
+            arrays[name] = np.stack([law.temperature, law.value])
     for name, field in estimate.fields.items():
         arrays[f"cells_{name}"], arrays[f"faces_{name}"] = field.cells, field.faces
         if field.boundary is not None:
@@ -180,6 +187,10 @@ def _read(path: Path) -> dict[str, np.ndarray]:
     if str(arrays["format"]) != FORMAT:
         raise KeyError(str(arrays["format"]))
     return arrays
+
+
+def _law(arrays: Mapping[str, np.ndarray], name: str) -> TabulatedLaw | None:
+    return TabulatedLaw(*map(jnp.asarray, arrays[name])) if name in arrays else None
 
 
 def _damaged(path: Path, fault: Exception) -> InputError:
@@ -228,7 +239,10 @@ def load_estimate(path: Path) -> tuple[Mesh, int, Stated, dict[str, RecoveredFie
             for name, quantity in QUANTITIES.items()
             if f"cells_{name}" in arrays
         }
-        stated = Stated(*(float(value) for value in arrays["stated"]))
+        stated = replace(
+            Stated(*arrays["stated"].astype(float).tolist()),
+            **{name: _law(arrays, name) for name in LAWS},
+        )
         return mesh, int(arrays["order"]), stated, fields
     except FAULTS as fault:
         raise _damaged(path, fault) from fault

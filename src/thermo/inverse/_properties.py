@@ -11,7 +11,8 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from thermo.errors import InputError
-from thermo.observe import Scene
+from thermo.observe import Scene, TemperatureTable
+from thermo.physics.effects import TabulatedLaw
 
 
 @final
@@ -20,12 +21,16 @@ class Properties(eqx.Module):
 
     - `conductivity` (cells,) [W/m/K]; `capacity` (cells,) [J/m3/K].
     - `convection` (faces,) [W/m2/K]; `emissivity` (faces,) [1].
+    - `conductivity_law`, `capacity_law`: how they change with temperature, one at `REFERENCE` [1];
+      None where they do not.
     """
 
     conductivity: Float[Array, " cells"]
     capacity: Float[Array, " cells"]
     convection: Float[Array, " faces"]
     emissivity: Float[Array, " faces"]
+    conductivity_law: TabulatedLaw | None = None
+    capacity_law: TabulatedLaw | None = None
 
 
 @final
@@ -33,12 +38,15 @@ class Stated(eqx.Module):
     """Uniform values that a scene states, or that stand in for what is unknown.
 
     - `conductivity` [W/m/K]; `capacity` [J/m3/K]; `convection` [W/m2/K]; `emissivity` [1].
+    - `conductivity_law`, `capacity_law`: as of `Properties`.
     """
 
     conductivity: float
     capacity: float
     convection: float
     emissivity: float
+    conductivity_law: TabulatedLaw | None = None
+    capacity_law: TabulatedLaw | None = None
 
     def of(self, quantity: str) -> float:
         """Value of any quantity that a fit can take, in that quantity's SI unit."""
@@ -59,6 +67,14 @@ _CLASHES = (
     ("convection", "scaled_convection"),
     ("emissivity", "scaled_emissivity"),
 )
+
+
+def law_of(stated: float | TemperatureTable | None) -> TabulatedLaw | None:
+    """How a property changes with temperature [1], where a table states it."""
+    if not isinstance(stated, TemperatureTable):
+        return None
+    share = np.asarray(stated.value) / stated.at()
+    return TabulatedLaw(jnp.asarray(stated.temperature), jnp.asarray(share))
 
 
 def check_unknowns(unknown: tuple[str, ...], scene: Scene, given: Collection[str] = ()) -> None:
@@ -125,7 +141,8 @@ def properties(stated: Stated, values: Mapping[str, Values], cells: int, faces: 
     emissivity = outside("emissivity", stated.emissivity)
     if "scaled_emissivity" in values:
         emissivity = outside("scaled_emissivity", 0.0) * stated.capacity
-    return Properties(conductivity, capacity, convection, emissivity)
+    laws = stated.conductivity_law, stated.capacity_law
+    return Properties(conductivity, capacity, convection, emissivity, *laws)
 
 
 def diffusivity_quantile(

@@ -62,12 +62,11 @@ def solve_each(
 def _solve(
     model: Model, under: Conditions, grid: TimeGrid, readout: ReadOut
 ) -> Float[Array, "frames samples"]:
-    laws = model.conductivity_law is not None or model.capacity_law is not None
     return solve_heat(
         model,
         under.start(len(model.space.mesh.nodes)),
         grid,
-        integrator=Sdirk2(iterations=2 if laws else 1),
+        integrator=Sdirk2(iterations=2 if model.follows_temperature() else 1),
         readout=readout,
         solver=ConjugateGradient(rtol=1e-5),
     ).temperature

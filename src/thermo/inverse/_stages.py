@@ -15,7 +15,7 @@ from thermo.inverse._field_choice import AbstractStagedChoice, Uniform
 from thermo.inverse._least_squares import LevenbergMarquardt
 from thermo.inverse._objective import SETTLED, Objective
 from thermo.inverse._smoothing import ask_data, much_the_same, with_choice
-from thermo.inverse._stepping import COARSER, planned_steps
+from thermo.inverse._stepping import COARSER, planned_steps, scheme_for
 from thermo.inverse._task import Ready, Task
 from thermo.mesh import Mesh
 from thermo.physics import ConjugateGradient, TimeGrid, discretise
@@ -205,7 +205,7 @@ def plain_objective(
         ready.fields,
         ready.priors,
         stack_cases(cases),
-        task.stepping.integrator,
+        scheme_for(task.stepping.integrator, ready.stated),
         ConjugateGradient(rtol=rtol),
         task.stepping.lagged,
         sequence=tuple(number for group in group_cases(cases) for number in group),

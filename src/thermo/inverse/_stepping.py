@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -40,6 +40,14 @@ class Stepping:
     most_frames: int = 120
     rtol: float = 1e-4
     lagged: bool = False
+
+
+def scheme_for(integrator: AbstractIntegrator, stated: Stated) -> AbstractIntegrator:
+    """The scheme, with two iterations a stage where what is stated follows the temperature."""
+    follows = stated.conductivity_law is not None or stated.capacity_law is not None
+    if follows and isinstance(integrator, BackwardEuler | Sdirk2) and integrator.iterations == 1:
+        return replace(integrator, iterations=2)
+    return integrator
 
 
 def fit_frames(run: Run, stepping: Stepping) -> TimeGrid:

@@ -29,6 +29,7 @@ from ._scene import QUANTITIES, Run, Scene, StatedMaterial
 from ._scene_read import FORMAT, read_scene
 from ._scene_write import write_scene
 from ._spikes import without_spikes
+from ._temperature_table import REFERENCE, TemperatureTable
 from ._view import seen_from
 
 __all__ = [
@@ -37,6 +38,7 @@ __all__ = [
     "HOTTEST",
     "LENGTH",
     "QUANTITIES",
+    "REFERENCE",
     "TIME",
     "Box",
     "Course",
@@ -49,6 +51,7 @@ __all__ = [
     "Run",
     "Scene",
     "StatedMaterial",
+    "TemperatureTable",
     "bind",
     "check_distance",
     "check_kelvin",

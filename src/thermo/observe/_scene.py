@@ -16,6 +16,7 @@ from ._npz import check_file
 from ._number import check_number, shown
 from ._prescribed import Prescribed
 from ._recording import Recording
+from ._temperature_table import TemperatureTable
 
 QUANTITIES: Final = (
     "conductivity",
@@ -48,8 +49,9 @@ class StatedMaterial:
     Arguments:
 
     - `name`: for people only.
-    - `density`: [kg/m3]. `heat_capacity`: [J/kg/K].
-    - `conductivity`: [W/m/K]; a first guess, or None, where it is to be found.
+    - `density`: [kg/m3]. `heat_capacity`: [J/kg/K]; a table where it changes with temperature.
+    - `conductivity`: [W/m/K], a table likewise; where it is to be found a first guess, of a table
+      its level, or None.
     - `where`: what messages call this material.
 
     Raises `InputError` for a property that is not positive.
@@ -57,8 +59,8 @@ class StatedMaterial:
 
     name: str
     density: float
-    heat_capacity: float
-    conductivity: float | None
+    heat_capacity: float | TemperatureTable
+    conductivity: float | TemperatureTable | None
     where: InitVar[str] = "material"
 
     def __post_init__(self, where: str) -> None:
@@ -68,12 +70,24 @@ class StatedMaterial:
             ("conductivity", "conductivity [W/m/K]", "give W/m/K, or null if in `unknown`"),
         ):
             value = getattr(self, key)
-            if key == "conductivity" and value is None:
+            if isinstance(value, TemperatureTable) or (key == "conductivity" and value is None):
                 continue
             number = check_number(
                 value, where=f"{where}.{key}", quantity=quantity, above=0.0, remedy=remedy
             )
             object.__setattr__(self, key, number)  # a whole number becomes a float
+
+    def volumetric_heat_capacity(self) -> float:
+        """rho c [J/m3/K]; at `REFERENCE` where it changes with temperature."""
+        return self.density * _at_reference(self.heat_capacity)
+
+    def first_conductivity(self) -> float | None:
+        """k [W/m/K]; at `REFERENCE` where it changes with temperature."""
+        return None if self.conductivity is None else _at_reference(self.conductivity)
+
+
+def _at_reference(stated: float | TemperatureTable) -> float:
+    return stated.at() if isinstance(stated, TemperatureTable) else stated
 
 
 @final

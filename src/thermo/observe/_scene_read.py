@@ -15,6 +15,7 @@ from ._prescribed import Prescribed, read_history
 from ._recording_read import read_recording
 from ._scene import QUANTITIES, Run, Scene, StatedMaterial, check_run_name
 from ._section import Section, read_json
+from ._temperature_table import TemperatureTable
 
 FORMAT: Final = "thermofield-scene/1"
 """The format of a scene folder that this version reads and writes."""
@@ -44,7 +45,8 @@ def read_scene(folder: Path | str) -> Scene:
         unit of that file alone.
     - `scale_deviation`*: standard deviation of the surface's scale over the scale (1).
     - `material`: `name`*, `density` [kg/m3], `heat_capacity` [J/kg/K], `conductivity` [W/m/K];
-        the last may be null where it is to be found.
+        the last may be null where it is to be found. Either of the last two may be an object with
+        `temperature` [K] and `value`, see `TemperatureTable`.
     - `surface_exchange`: `convection` [W/m2/K], `emissivity` (1); null where to be found.
     - `unknown`*: what a fit recovers by default, names from `QUANTITIES`.
     - `prior`*: `QUANTITY_relative_sd`, relative standard deviation of a stated value.
@@ -104,10 +106,19 @@ def _material(section: Section) -> StatedMaterial:
     return StatedMaterial(
         name=section.text("name", "unnamed"),
         density=section.number("density"),
-        heat_capacity=section.number("heat_capacity"),
-        conductivity=section.number_or_null("conductivity"),
+        heat_capacity=_property(section, "heat_capacity") or section.number("heat_capacity"),
+        conductivity=_property(section, "conductivity") or section.number_or_null("conductivity"),
         where=section.where(),
     )
+
+
+def _property(material: Section, key: str) -> TemperatureTable | None:
+    if not isinstance(material.table.get(key), dict):
+        return None
+    section = material.section(key)
+    section.check_keys(("temperature", "value"))
+    columns = (tuple(section.array(name).tolist()) for name in ("temperature", "value"))
+    return TemperatureTable(*columns, where=section.where())
 
 
 def _unknown(root: Section) -> tuple[str, ...]:

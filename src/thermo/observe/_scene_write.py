@@ -18,6 +18,7 @@ from ._npz import check_file, write_npz
 from ._recording_write import write_recording
 from ._scene import Run, Scene, check_run_name
 from ._scene_read import FORMAT, PRIOR_ENDING, read_scene
+from ._temperature_table import TemperatureTable
 
 
 def write_scene(folder: Path | str, scene: Scene) -> None:
@@ -71,8 +72,8 @@ def _write_files(stage: Path, scene: Scene) -> None:
         "material": {
             "name": scene.material.name,
             "density": scene.material.density,
-            "heat_capacity": scene.material.heat_capacity,
-            "conductivity": scene.material.conductivity,
+            "heat_capacity": _property(scene.material.heat_capacity),
+            "conductivity": _property(scene.material.conductivity),
         },
         "surface_exchange": {"convection": scene.convection, "emissivity": scene.emissivity},
         "unknown": list(scene.unknown),
@@ -83,6 +84,12 @@ def _write_files(stage: Path, scene: Scene) -> None:
         table["scale_deviation"] = scene.scale_deviation
     text = json.dumps(table, indent=1, default=float) + "\n"
     (stage / "scene.json").write_text(text, encoding="utf-8")
+
+
+def _property(stated: float | TemperatureTable | None) -> float | dict[str, list[float]] | None:
+    if isinstance(stated, TemperatureTable):
+        return {"temperature": list(stated.temperature), "value": list(stated.value)}
+    return stated
 
 
 def _write_run(stage: Path, name: str, run: Run) -> dict[str, Any]:

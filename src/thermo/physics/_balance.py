@@ -51,7 +51,7 @@ class Balance(eqx.Module):
 def with_weight(balance: Balance, weight: Time) -> Balance:
     """A balance whose steps all have one weight [s]: what their matrices share is made once."""
     model = balance.model
-    if model.conductivity_law is not None or model.capacity_law is not None:
+    if model.follows_temperature():
         return balance
     plain = _plain_matrix(balance, balance.stored, weight)
     constant = jax.lax.stop_gradient(StepMatrix(model.space.pattern, *plain))

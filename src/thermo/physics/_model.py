@@ -39,3 +39,7 @@ class Model(eqx.Module):
     prescribed: PrescribedTemperature | None = None
     conductivity_law: AbstractLaw | None = None
     capacity_law: AbstractLaw | None = None
+
+    def follows_temperature(self) -> bool:
+        """Whether conductivity or capacity change with temperature."""
+        return self.conductivity_law is not None or self.capacity_law is not None

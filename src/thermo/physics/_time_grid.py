@@ -156,7 +156,7 @@ def plan_steps(
     Raises `InputError` where the tolerance or the longest step is not positive.
     """
     _refuse_nothing(tolerance, largest)
-    scheme = Sdirk2() if scheme is None else scheme
+    scheme = Sdirk2(2 if model.follows_temperature() else 1) if scheme is None else scheme
     frames = np.asarray(frames, float)
     jumps = _inside(switches, frames)
     stops = np.unique(np.append(jumps, frames))

@@ -78,7 +78,7 @@ def truth(scene: Scene, quantity: str) -> float:
 
     Raises `InputError` where the scene does not tell.
     """
-    capacity = scene.material.density * scene.material.heat_capacity
+    capacity = scene.material.volumetric_heat_capacity()
     if quantity == "scaled_convection" and scene.convection is not None:
         return scene.convection / capacity
     told = json.loads((scene.folder / "scene.json").read_text("utf-8")).get("truth", {})

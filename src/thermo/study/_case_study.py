@@ -137,7 +137,7 @@ def _guessed(case: Case) -> dict[str, Any]:
     row, scene = case.row, case.scene()
     if row.quantity == "diffusivity":
         guess = float(np.exp(np.mean(np.log(SCANNED_CONDUCTIVITIES))))
-        guess /= scene.material.density * scene.material.heat_capacity
+        guess /= scene.material.volumetric_heat_capacity()
     else:
         guess = row.start * truth(scene, row.quantity)
     values = {**row.known, row.quantity: guess}

@@ -39,15 +39,15 @@ from thermo.discover.candidates import (
     TemperatureDependentHeatCapacity,
     Void,
 )
-from thermo.discover.candidates._material import REFERENCE
 from thermo.inverse import Conditions
 from thermo.inverse._conditions import conditions, make_model
 from thermo.inverse._properties import properties
 from thermo.mesh import Mesh, box_mesh, cell_volumes
+from thermo.observe import REFERENCE
 from thermo.physics import discretise, stored_heat, volume_rule
 from thermo.physics._balance import assemble, equivalent
 from thermo.physics._quadrature import tetrahedron_rule
-from thermo.physics.effects import PolynomialLaw, TransitionLaw
+from thermo.physics.effects import PolynomialLaw, TabulatedLaw, TransitionLaw
 
 MIDDLE = (0.013, 0.006, 0.003)  # m, below the lit spot
 LIT, BELOW = nearest((0.013, 0.006, 0.008)), nearest((0.013, 0.006, 0.0))
@@ -147,9 +147,28 @@ def test_transitions_take_up_their_heats(first: float, second: float) -> None:
     np.testing.assert_allclose(slope, law.factor(at), rtol=1e-9)
 
 
-def test_a_transition_stands_beside_a_law() -> None:
+@given(st.floats(-0.002, 0.05), st.floats(250.0, 400.0))
+def test_a_slope_comes_on_top_of_what_is_stated(slope: float, level: float) -> None:
     under = hot()
-    sloped = MADE["temperature_dependent_heat_capacity"](4e-3).to_model(bare(under), under)
+    table = TabulatedLaw(jnp.asarray([280.0, 350.0]), jnp.asarray([0.9, 1.6]))
+    stated = replace(bare(under), conductivity_law=table, capacity_law=table)
+    conducts = TemperatureDependentConductivity(one(slope)).to_model(stated, under)
+    stores = TemperatureDependentHeatCapacity(one(slope)).to_model(stated, under)
+    assert conducts.capacity_law is table and stores.conductivity_law is table
+    wanted = np.interp(level, [280.0, 350.0], [0.9, 1.6]) + slope * (level - REFERENCE)
+    for law in (conducts.conductivity_law, stores.capacity_law):
+        assert law is not None
+        assert float(law.factor(jnp.asarray(level))) == pytest.approx(wanted, abs=1e-12)
+
+
+@pytest.mark.parametrize("tabulated", [False, True])
+def test_a_transition_stands_beside_a_law(tabulated: bool) -> None:
+    under = hot()
+    body = bare(under)
+    if tabulated:
+        table = TabulatedLaw(jnp.asarray([280.0, 350.0]), jnp.asarray([0.9, 1.6]))
+        body = replace(body, capacity_law=table)
+    sloped = MADE["temperature_dependent_heat_capacity"](4e-3).to_model(body, under)
     law = latent(1e4).to_model(sloped, under).capacity_law
     assert law is not None and sloped.capacity_law is not None
     far = jnp.asarray([260.0, 400.0])

@@ -19,23 +19,23 @@ from thermo.discover._candidate import (
     unit,
 )
 from thermo.inverse import Conditions
+from thermo.observe import REFERENCE
 from thermo.physics import Model, volume_rule
-from thermo.physics.effects import PolynomialLaw, TransitionLaw
-
-REFERENCE = 293.15
-"""Temperature [K] at which properties that change with it are as stated."""
+from thermo.physics.effects import AbstractLaw, PolynomialLaw, SumLaw, TransitionLaw
 
 # A void lets this share of the heat through [1], so that temperatures inside stay defined.
 _LEAST = 1e-4
 
 
-def _law(slope: Float[Array, ""]) -> PolynomialLaw:
-    return PolynomialLaw(jnp.stack([jnp.ones(()), slope]), REFERENCE)
+def _sloped(stated: AbstractLaw | None, slope: Float[Array, ""]) -> AbstractLaw:
+    if stated is None:
+        return PolynomialLaw(jnp.stack([jnp.ones(()), slope]), REFERENCE)
+    return SumLaw((stated, PolynomialLaw(jnp.stack([jnp.zeros(()), slope]), REFERENCE)))
 
 
 @final
 class TemperatureDependentConductivity(AbstractHeatCandidate):
-    """k(T) = k (1 + strength (T - 293.15 K))."""
+    """k(T) = k (f(T) + strength (T - 293.15 K)), f as stated, else 1."""
 
     card: ClassVar[Card] = Card(
         "temperature_dependent_conductivity", "1/K", 5e-3, -0.05, 0.05,
@@ -50,12 +50,12 @@ class TemperatureDependentConductivity(AbstractHeatCandidate):
     def to_model(self, model: Model, under: Conditions) -> Model:
         """The model [SI] with a conductivity that changes with temperature."""
         del under
-        return replace(model, conductivity_law=_law(self.strength[0]))
+        return replace(model, conductivity_law=_sloped(model.conductivity_law, self.strength[0]))
 
 
 @final
 class TemperatureDependentHeatCapacity(AbstractHeatCandidate):
-    """c(T) = c (1 + strength (T - 293.15 K))."""
+    """c(T) = c (f(T) + strength (T - 293.15 K)), f as stated, else 1."""
 
     card: ClassVar[Card] = Card(
         "temperature_dependent_heat_capacity", "1/K", 5e-3, -0.05, 0.05,
@@ -70,12 +70,14 @@ class TemperatureDependentHeatCapacity(AbstractHeatCandidate):
     def to_model(self, model: Model, under: Conditions) -> Model:
         """The model [SI] with a capacity that changes with temperature."""
         del under
-        return replace(model, capacity_law=_law(self.strength[0]))
+        return replace(model, capacity_law=_sloped(model.capacity_law, self.strength[0]))
 
 
 @final
 class LatentHeat(AbstractHeatCandidate):
-    """c(T) = c + strength / width n((T - middle) / width), n the bell of area one.
+    """c(T) = c f(T) + strength / width n((T - middle) / width), n the bell of area one.
+
+    f as stated, else 1.
 
     - `density`: of the body [kg/m3].
 
@@ -97,9 +99,7 @@ class LatentHeat(AbstractHeatCandidate):
         """The model [SI] with a phase that changes."""
         del under
         rise = self.strength * self.density / jnp.mean(model.capacity)
-        base = model.capacity_law
-        assert base is None or isinstance(base, PolynomialLaw), "one candidate with transitions"
-        law = TransitionLaw(rise, self.place.centre, self.place.size, base)
+        law = TransitionLaw(rise, self.place.centre, self.place.size, model.capacity_law)
         return replace(model, capacity_law=law)
 
 

@@ -11,7 +11,13 @@ from thermo.physics.effects._heating import (
     patch_profile,
     spot_profile,
 )
-from thermo.physics.effects._law import AbstractLaw, PolynomialLaw, TransitionLaw
+from thermo.physics.effects._law import (
+    AbstractLaw,
+    PolynomialLaw,
+    SumLaw,
+    TabulatedLaw,
+    TransitionLaw,
+)
 from thermo.physics.effects._prescribed import PrescribedTemperature
 from thermo.physics.effects._radiation import STEFAN_BOLTZMANN, LaggedRadiation, Radiation
 from thermo.physics.effects._schedule import History, Schedule, value_at
@@ -27,12 +33,14 @@ __all__ = [
     "Heating",
     "History",
     "LaggedRadiation",
+    "NodalSource",
     "PolynomialLaw",
     "PrescribedFlux",
     "PrescribedTemperature",
     "Radiation",
     "Schedule",
-    "NodalSource",
+    "SumLaw",
+    "TabulatedLaw",
     "TransitionLaw",
     "VolumetricSource",
     "gap_exchange",

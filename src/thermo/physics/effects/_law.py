@@ -9,7 +9,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jax.scipy.special import ndtr
 from jax.scipy.stats import norm
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 
 class AbstractLaw(eqx.Module):
@@ -47,6 +47,62 @@ class PolynomialLaw(AbstractLaw):
 
 
 @final
+class TabulatedLaw(AbstractLaw):
+    """Factor that runs linearly between given temperatures and is constant outside them.
+
+    - `temperature`: (points,) two or more, increasing [K]; `value`: (points,) [1].
+    """
+
+    temperature: Float[Array, " points"]
+    value: Float[Array, " points"]
+
+    def factor(self, temperature: Float[Array, "*any"]) -> Float[Array, "*any"]:
+        """f [1] at temperatures [K]."""
+        begin, above, slope = self._segment(self._within(temperature))
+        return self.value[begin] + slope * above
+
+    def integral(self, temperature: Float[Array, "*any"]) -> Float[Array, "*any"]:
+        """Integral of f from the first temperature [K]."""
+        rises = jnp.diff(self.temperature) * (self.value[1:] + self.value[:-1]) / 2
+        until = jnp.concatenate([jnp.zeros(1), jnp.cumsum(rises)])
+        within = self._within(temperature)
+        begin, above, slope = self._segment(within)
+        inside = until[begin] + (self.value[begin] + slope * above / 2) * above
+        return inside + self.factor(within) * (temperature - within)
+
+    def _within(self, temperature: Float[Array, "*any"]) -> Float[Array, "*any"]:
+        return jnp.clip(temperature, self.temperature[0], self.temperature[-1])
+
+    def _segment(
+        self, within: Float[Array, "*any"]
+    ) -> tuple[Int[Array, "*any"], Float[Array, "*any"], Float[Array, "*any"]]:
+        """Where a segment begins, how far above that a temperature lies [K], its slope [1/K]."""
+        # All points are compared at once, as a `History` does.
+        after = jnp.searchsorted(self.temperature, within, side="right", method="compare_all")
+        begin = jnp.clip(after, 1, self.temperature.size - 1) - 1
+        slopes = jnp.diff(self.value) / jnp.diff(self.temperature)
+        return begin, within - self.temperature[begin], slopes[begin]
+
+
+@final
+class SumLaw(AbstractLaw):
+    """Factor f(T) = sum_i f_i(T).
+
+    - `laws`: f_i [1].
+    """
+
+    laws: tuple[AbstractLaw, ...]
+
+    def factor(self, temperature: Float[Array, "*any"]) -> Float[Array, "*any"]:
+        """f [1] at temperatures [K]."""
+        return sum((law.factor(temperature) for law in self.laws), jnp.zeros_like(temperature))
+
+    def integral(self, temperature: Float[Array, "*any"]) -> Float[Array, "*any"]:
+        """Integral of f [K], from anywhere."""
+        return sum((law.integral(temperature) for law in self.laws), jnp.zeros_like(temperature))
+
+
+@final
 class TransitionLaw(AbstractLaw):
     """Factor f(T) = base(T) + sum_i r_i n((T - m_i) / w_i) / w_i, n the bell of area one.
 
@@ -62,7 +118,7 @@ class TransitionLaw(AbstractLaw):
     rise: Float[Array, " transitions"]
     middle: Float[Array, " transitions"]
     width: Float[Array, " transitions"]
-    base: PolynomialLaw | None = None
+    base: AbstractLaw | None = None
 
     def factor(self, temperature: Float[Array, "*any"]) -> Float[Array, "*any"]:
         """f [1] at temperatures [K]."""
