@@ -19,14 +19,14 @@ from thermo.discover._pace import silent
 from thermo.discover._path import SearchPath
 from thermo.discover._scores import ScoreTable
 from thermo.discover._search import Refit, Standing
-from thermo.discover._told_apart import excluded, told_apart
+from thermo.discover._told_apart import excluded, refuted, told_apart
 
 NAMES = ("hidden_source", "sensor_lag", "void")
 
 
 def proof(*left: float) -> dict[str, HeldOut]:
     """Runs that were not fitted, on which so much is left over the noise [1]."""
-    return {f"run {n}": HeldOut(0.5, 0.05 * one, 0.05, None) for n, one in enumerate(left)}
+    return {f"run {n}": HeldOut(50.0, 0.05 * one, 0.05, None) for n, one in enumerate(left)}
 
 
 def apart(
@@ -107,6 +107,38 @@ def test_where_they_leave_much_alike_all_stay(
 def test_one_that_is_named_has_no_rivals_to_be_predicted(monkeypatch: pytest.MonkeyPatch) -> None:
     path, _, told = apart(monkeypatch, {"hidden_source": 9.0, "void": 1.0}, word="named")
     assert path.word == "named" and told == ["hidden_source"] and path.remarks == ["before"]
+
+
+@pytest.mark.parametrize(
+    ("after", "closed", "interval", "against"),
+    [
+        (0.055, 0.2, (0.1, 0.3), False),  # as good as noise
+        (0.07, 0.8, (0.7, 0.91), False),  # enough may be closed
+        (0.07, 0.8, (0.7, 0.89), True),
+        (0.12, -0.3, (-0.5, -0.1), True),
+        (0.07, 0.2, None, False),  # too few samples to be sure
+        (0.12, -0.3, None, True),
+        (0.12, None, None, True),  # there was nothing to close
+    ],
+)
+def test_a_run_speaks_against_what_surely_leaves_too_much(
+    monkeypatch: pytest.MonkeyPatch,
+    after: float,
+    closed: float | None,
+    interval: tuple[float, float] | None,
+    against: bool,
+) -> None:
+    one = HeldOut(0.1, after, 0.05, closed, interval)
+    assert refuted(one) is against
+    monkeypatch.setattr(f"{__name__}.proof", lambda *_: {"cooling": one})
+    for word in ("named", "none_of_mine", "no_gap"):
+        path, found, _ = apart(monkeypatch, {"hidden_source": 1.0}, word=word)
+        speaks = against and word == "named"
+        assert path.word == ("none_of_mine" if speaks else word) and found == {"cooling": one}
+        assert len(path.remarks) == 1 + speaks and len(path.rounds) == 1
+        if speaks:
+            assert "does not hold on cooling: 0.1 K become" in path.remarks[-1]
+            assert ("% closed" in path.remarks[-1]) == (closed is not None)
 
 
 @given(st.floats(0.01, 1e4))

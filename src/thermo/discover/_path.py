@@ -39,13 +39,14 @@ from thermo.discover._search import (
 from thermo.discover._verdict import Effect, Round, Word
 from thermo.inverse import FINER
 
+CLOSED: Final = 0.9
+"""Named effects close this share of what is beyond noise, or leave no more than noise [1]."""
+
 # Chance of a false alarm by the largest score, and by the misfit in smooth shapes [1]; each round
 # has half of the one before.
 _BY_SCORE: Final = 0.04
 _BY_SHAPES: Final = 0.01
 _ROUNDS: Final = 3
-# Named effects close this share of what is beyond noise, or leave no more than noise [1].
-_CLOSED: Final = 0.9
 # An effect has to close this share of what is left [1].
 _WORTH: Final = 0.5
 # Of what a run leaves beyond noise, a score has to show this share that a refit with its place may
@@ -322,7 +323,7 @@ def _word(begun: Standing, last: Standing, rounds: list[Round], table: ScoreTabl
     if not rounds:
         gap = _alarm(table) or by_shapes(begun) <= _BY_SHAPES
         return "none_of_mine" if gap else "no_gap"
-    if share_closed(begun, last) < _CLOSED and by_shapes(last) <= _BY_SHAPES:
+    if share_closed(begun, last) < CLOSED and by_shapes(last) <= _BY_SHAPES:
         return "none_of_mine"
     return verdict_of(rounds)
 

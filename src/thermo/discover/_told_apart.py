@@ -10,7 +10,7 @@ import numpy as np
 
 from thermo.discover._held_out import held_out
 from thermo.discover._pace import Pace
-from thermo.discover._path import SearchPath, verdict_of
+from thermo.discover._path import CLOSED, SearchPath, verdict_of
 from thermo.discover._place_doubt import undoubted, with_doubt
 from thermo.discover._rounds import effect_of, rms, with_joint_effects
 from thermo.discover._search import Standing, with_all
@@ -24,14 +24,40 @@ Proof = Mapping[str, HeldOut]
 # all scales s of what strengths make wrong there, x a square of one degree of freedom [1].
 _BEYOND: Final = 30.0
 
+# What is left on a run that was not fitted, over its noise, where a model counts as right [1].
+_MET: Final = 1.1
+
 
 def told_apart(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
     """What is predicted of held-out runs; and the path without what they exclude.
 
     Of the last effect's rivals that explain the fitted runs as well each is predicted there too.
     One that leaves far more than another is taken out of the set, and where that is the effect at
-    work, the one that leaves least takes its place.
+    work, the one that leaves least takes its place. Where that is refuted too, nothing is named.
     """
+    path, proof = _without_excluded(path, pace)
+    against = [name for name, one in proof.items() if refuted(one)]
+    if path.word not in ("named", "inseparable") or not against:
+        return path, proof
+    remarks = [*path.remarks, *(_refuted(name, proof[name]) for name in against)]
+    return replace(path, word="none_of_mine", remarks=remarks), proof
+
+
+def refuted(one: HeldOut) -> bool:
+    """Whether a run that was not fitted speaks against what explains those that were.
+
+    More is left than noise, and surely not as much is closed as a named effect has to close. With
+    too few samples to be sure, or nothing to close, the difference has to grow.
+    """
+    if one.rms_after <= _MET * one.noise:
+        return False
+    if one.interval95 is None:
+        return one.rms_after > one.rms_before
+    return one.interval95[1] < CLOSED
+
+
+def _without_excluded(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
+    """The path without those of the last effect's rivals that held-out runs exclude."""
     pace.step("predicting held-out runs")
     begun = path.begun.point
     proof = held_out(path.standing.bench, begun, path.standing.point)
@@ -76,6 +102,16 @@ def _with(path: SearchPath, standing: Standing, best: str, kept: list[str]) -> S
         doubted = with_doubt(standing, path.begun.allowed)
         rounds = with_joint_effects([*before, fresh], standing, doubted)
     return replace(path, word=verdict_of(rounds), rounds=rounds, standing=standing)
+
+
+def _refuted(run: str, one: HeldOut) -> str:
+    """What to say of a run that speaks against what was found."""
+    share = "" if one.gap_closed is None else f", {100 * max(one.gap_closed, 0):.0f} % closed"
+    return (
+        f"What explains the fitted runs does not hold on {run}: {one.rms_before:.3g} K become "
+        f"{one.rms_after:.3g} K there, at a noise of {one.noise:.3g} K{share}. It is not what is "
+        "missing, unless it was at work in the fitted runs only."
+    )
 
 
 def _excluded(best: str, proof: Proof, out: Mapping[str, Proof]) -> str:
