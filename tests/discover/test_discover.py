@@ -125,8 +125,9 @@ def test_where_nothing_is_missing_nothing_is_named(scene: Scene) -> None:
     assert set(found.traces[0]["lamp"].inputs) == {"lamp", "temperature"}
     assert set(found.traces[0]["cooling"].inputs) == {"temperature"}
     # What could not have been missed is far below what another case hides.
-    least, unit = found.missed["heater_power"]
-    assert least is not None and least < 0.1 and unit == "1"
+    power = found.missed["heater_power"]
+    least = power.strengths[0.8]
+    assert least is not None and least < 0.1 and power.unit == "1"
 
 
 def test_a_lamp_of_another_power_is_named_by_how_much_it_is_off(

@@ -57,7 +57,10 @@ def test_the_contract_of_a_round() -> None:
     (other,) = discovery_record(verdict("inseparable"))["rounds"]
     assert other["named"] == [] and other["set"] == ["hidden_source", "sensor_lag"]
     record = discovery_record(verdict("named"))
-    assert record["could_have_missed"]["void"] == {"strength": None, "unit": "1"}
+    assert record["could_have_missed"]["void"] == {
+        "strength": None, "unit": "1", "found_in": {"0.5": 0.9, "0.8": None, "0.95": None},
+    }  # fmt: skip
+    assert record["could_have_missed"]["sensor_lag"]["strength"] == 0.06
     assert record["held_out"]["other"]["gap_closed"] == 0.97
     lamp = record["over_time"]["lamp"]
     assert lamp["before"]["follows"]["lamp"] == {"score": -8.0, "lag_s": 1.5, "p_value": 0.0}

@@ -15,12 +15,14 @@ from thermo.discover._effects_file import effects_as_arrays, load_effects
 from thermo.discover._library import Setting, library
 from thermo.discover._memory import forget
 from thermo.discover._misfit import Misfit, Part
+from thermo.discover._power import SHARES, Power
 from thermo.discover._registered import registered
 from thermo.discover._stated_otherwise import stated_otherwise
 from thermo.discover._trace import Follows, Trace
 from thermo.discover._verdict import Candidacy, Effect, HeldOut, Round, Verdict
 
 __all__ = [
+    "SHARES",
     "AbstractHeatCandidate",
     "AbstractReadingCandidate",
     "Transition",
@@ -35,6 +37,7 @@ __all__ = [
     "Misfit",
     "Part",
     "Place",
+    "Power",
     "Round",
     "Setting",
     "Trace",

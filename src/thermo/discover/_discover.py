@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from scipy.stats import norm
 
 from thermo.discover._aliases import aliases
 from thermo.discover._allowance import NOTHING_ALLOWED, allowance
@@ -30,9 +29,9 @@ from thermo.discover._met import estimate_of
 from thermo.discover._misfit import Misfit, misfits
 from thermo.discover._pace import MEASURE, Pace, Say
 from thermo.discover._path import SearchPath, by_shapes, search
+from thermo.discover._power import powers
 from thermo.discover._registered import registered
 from thermo.discover._rounds import candidacies
-from thermo.discover._scores import ScoreTable
 from thermo.discover._search import Standing, at_work, fitted
 from thermo.discover._softening import blocks, error_columns, stamp_columns
 from thermo.discover._told_apart import told_apart
@@ -123,7 +122,7 @@ def _answer(path: SearchPath, proof: Mapping[str, HeldOut], left: Apart, seconds
         candidates=candidacies(path.table, {}, 1.0, {}),
         threshold=path.table.threshold,
         held_out=proof,
-        missed={name: one for name, one in _missed(path.table).items() if name not in named},
+        missed={name: one for name, one in powers(path.table).items() if name not in named},
         cells=_sizes(begun, left),
         noise={
             run.name: estimate_noise(run.recording).fluctuation() for run in begun.bench.task.runs
@@ -197,22 +196,3 @@ def _parameters(begun: Standing, last: Standing) -> dict[str, tuple[float, float
         name: (float(one.control_values()[0]), float(after[name].control_values()[0]))
         for name, one in before.items()
     }
-
-
-def _missed(table: ScoreTable) -> Mapping[str, tuple[float | None, str]]:
-    """By kind the smallest strength that passes the threshold in four of five cases, everywhere."""
-    found: dict[str, tuple[float | None, str]] = {}
-    reach = table.threshold + float(norm.isf(0.2))
-    for score in table.scores:
-        card = score.entry.card
-        known = found.get(card.name, (0.0, ""))[0] or 0.0
-        found[card.name] = (max(reach * score.sd, known), card.unit)
-    # Where one part could not be seen at all, no strength of that kind is sure to be found; nor is
-    # one that there cannot be.
-    cards = {score.name(): score.entry.card for score in table.scores}
-    never = [name for name, (least, _) in found.items() if (least or 0.0) > cards[name].high]
-    return (
-        found
-        | {name: (None, cards[name].unit) for name in never}
-        | {one.card.name: (None, one.card.unit) for one in table.unseen}
-    )

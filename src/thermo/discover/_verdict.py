@@ -12,6 +12,7 @@ from jaxtyping import Float
 from thermo.discover._calibration import Calibration
 from thermo.discover._candidate import Candidate, Card
 from thermo.discover._misfit import Misfit
+from thermo.discover._power import Power
 from thermo.discover._trace import Trace
 from thermo.inverse import Estimate
 
@@ -106,8 +107,8 @@ class Verdict:
     """The answer, and what it rests on.
 
     - `verdict`; `rounds`: of what is named, or of the best that does not explain the gap.
-    - `held_out`: by run; `missed`: by kind the smallest strength that would have been found, in the
-      card's unit, None where no strength would be seen.
+    - `held_out`: by run; `missed`: by kind the strengths that would have been found, beside what
+      was stated.
     - `cells`: what a fit's usual cells and steps make wrong, by run [K]; it is taken off, and a
       third of it is allowed for.
     - `noise`: of a reading by run [K]; `parameters`: medians of the fields before and after [SI].
@@ -125,7 +126,7 @@ class Verdict:
     candidates: list[Candidacy]
     threshold: float
     held_out: Mapping[str, HeldOut]
-    missed: Mapping[str, tuple[float | None, str]]
+    missed: Mapping[str, Power]
     cells: Mapping[str, float]
     noise: Mapping[str, float]
     parameters: Mapping[str, tuple[float, float]]

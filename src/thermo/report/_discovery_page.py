@@ -303,14 +303,19 @@ def _missed(record: Record) -> str:
     found = record["could_have_missed"]
     if not found:
         return _note("Nothing that was looked for.")
+    shares = list(next(iter(found.values()))["found_in"])
     rows = [
-        [spoken(name), "nothing could be seen" if one["strength"] is None
-         else _amount(_number(one["strength"], ".3g"), one["unit"])]
+        [spoken(name), *(_strength(one["found_in"][share], one["unit"]) for share in shares)]
         for name, one in found.items()
-    ]  # fmt: skip
+    ]
     kinds = ["below" if one["strength"] is None else "seen" for one in found.values()]
-    words = "Weaker effects may be there unseen. One so strong is found in four of five cases."
-    return _table(["candidate", "smallest strength found"], rows, kinds) + _note(words)
+    header = ["candidate", *(f"found in {100 * float(share):g} % of cases" for share in shares)]
+    words = "So strong it has to be, wherever it is. Weaker effects may be there unseen."
+    return _table(header, rows, kinds) + _note(words)
+
+
+def _strength(least: float | None, unit: str) -> str:
+    return "none that can be" if least is None else _amount(_number(least, ".3g"), unit)
 
 
 def _noise(record: Record) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -27,6 +27,9 @@ from ._json import write_json
 from ._table import table
 from ._text import write_text
 from ._versions import versions
+
+# The share of cases whose strength stands for the others [1].
+_MOSTLY: Final = 0.8
 
 
 def discovery_record(found: Verdict) -> dict[str, Any]:
@@ -69,7 +72,12 @@ def discovery_record(found: Verdict) -> dict[str, Any]:
         "residuals": _residuals(found),
         "calibration": _calibration(found.calibration),
         "could_have_missed": {
-            name: {"strength": least, "unit": unit} for name, (least, unit) in found.missed.items()
+            name: {
+                "strength": one.strengths[_MOSTLY],
+                "unit": one.unit,
+                "found_in": {f"{share:g}": found for share, found in one.strengths.items()},
+            }
+            for name, one in found.missed.items()
         },
         "remarks": found.remarks,
         "versions": versions(),
