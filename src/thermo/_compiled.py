@@ -57,10 +57,10 @@ MOST_MAPS = 0.5
 def make_room() -> None:
     """Drop the compiled programs in memory when they have come near what the system allows.
 
-    Every program takes memory maps and keeps them. A process that fits one body after the other
-    would come to the limit, after which nothing compiles: "LLVM compilation error:
-    Cannot allocate memory". What is needed again comes from the folder on disk. Elsewhere than on
-    Linux there is no such limit.
+    Every program takes memory maps and keeps them. A process that fits one body after the other, or
+    searches for one effect after the other, would come to the limit, after which nothing compiles:
+    "LLVM compilation error: Cannot allocate memory". What is needed again comes from the folder on
+    disk. Elsewhere than on Linux there is no such limit.
     """
     try:
         limit = int(Path("/proc/sys/vm/max_map_count").read_text(encoding="ascii"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -25,6 +26,7 @@ from thermo.discover._search import (
     Refit,
     Standing,
     could_reach,
+    fitted,
     in_order,
     in_place_of,
     near_best,
@@ -215,6 +217,24 @@ def test_the_search_leaves_what_could_not_reach_the_best(monkeypatch: pytest.Mon
     table = ScoreTable(scores, [], 3.0, np.eye(3), np.zeros((VALUES, 3)))
     # Of 80 squares the best leaves 2; a score of 6 might close them all, one of 3.5 only 61.
     assert names(refits(begun, table, (), silent())) == fitted == ["best", "near"]
+
+
+@pytest.mark.parametrize(
+    "step", [lambda at: fitted(at, times=0), lambda at: scored(at, (), alpha=0.05)]
+)
+def test_fits_and_scores_make_room_for_their_programs(
+    monkeypatch: pytest.MonkeyPatch, step: Callable[[Standing], object]
+) -> None:
+    # Without it a long search came to what the system allows a process, and was aborted.
+    class AskedFor(Exception):
+        pass
+
+    def make_room() -> None:
+        raise AskedFor
+
+    monkeypatch.setattr(module, "make_room", make_room)
+    with pytest.raises(AskedFor):
+        step(standing(60.0, 2))
 
 
 def test_where_all_there_is_stands_at_work_nothing_is_scored() -> None:

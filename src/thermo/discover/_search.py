@@ -12,6 +12,7 @@ import numpy as np
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Float, Int
 
+from thermo._compiled import make_room
 from thermo.discover._allowance import Allowance
 from thermo.discover._bench import Bench, corrected, finer_runs, steps_for
 from thermo.discover._candidate import Candidate
@@ -100,6 +101,7 @@ def fitted(standing: Standing, *, times: int, rival: float = np.inf) -> Standing
     Of effects with a place only those at work take part, and one of each other kind: all refits
     share one program, and it is as small as that allows.
     """
+    make_room()
     small, kept = with_few_places(standing)
     free = free_of(small)
     for number in range(max(times, 1)):
@@ -192,6 +194,7 @@ def _put_back(one: Candidate, few: Candidate, parts: Parts) -> Candidate:
 
 def scored(standing: Standing, laws: tuple[Candidate, ...], *, alpha: float) -> ScoreTable:
     """The table of all candidates but those at work."""
+    make_room()
     point = standing.point
     here = [one for one in entries(point) if (one.card.name, one.part) not in standing.active]
     beside = _beside_laws(standing, laws)
