@@ -59,7 +59,7 @@ def test_each_other_value_is_one_remark(scene: Scene, tmp_path: Path) -> None:
 def test_another_course_over_temperature_is_a_remark(scene: Scene, tmp_path: Path) -> None:
     there = saved(tmp_path, estimate(0.0))
     level = scene.material.volumetric_heat_capacity() / scene.material.density
-    table = TemperatureTable((273.15, 313.15), (0.5 * level, 1.5 * level))
+    table = TemperatureTable((243.15, 343.15), (0.5 * level, 1.5 * level))
     grows = replace(scene, material=replace(scene.material, heat_capacity=table))
     (told,) = stated_otherwise(there, grows)
     assert "another course of the heat capacity over temperature" in told

@@ -86,7 +86,9 @@ def drawn_property(draw: st.DrawFn) -> float | TemperatureTable:
     drawn = draw(POSITIVE | PAIRS)
     if isinstance(drawn, float):
         return drawn
-    temperature, value = zip(*sorted(drawn), strict=True)
+    # Readings may have any temperature, and have to lie within.
+    ends = {150.0: drawn[0][1], 5000.0: drawn[1][1]}
+    temperature, value = zip(*sorted((ends | dict(drawn)).items()), strict=True)
     return TemperatureTable(temperature, value)
 
 

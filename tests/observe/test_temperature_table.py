@@ -31,9 +31,10 @@ def test_a_material_has_the_values_at_the_reference() -> None:
         ((20.0, 400.0), (1.0, 2.0), "degrees Celsius, add 273.15"),
         ((300.0,), (1.0,), "two or more"),
         ((400.0, 300.0), (1.0, 2.0), "sort the table"),
-        ((300.0, float("nan")), (1.0, 2.0), "none missing"),
+        ((300.0, float("nan")), (1.0, 2.0), "a finite number"),
         ((300.0, 400.0), (1.0, 2.0, 3.0), "as many values as temperatures"),
-        ((300.0, 400.0), (1.0, 0.0), "finite and above 0"),
+        ((300.0, 400.0), (1.0, 0.0), "0 at 400 K"),
+        ((300.0, 400.0), (float("nan"), 1.0), "nan at 300 K"),
         ((300.0, 400.0), (1.0, float("inf")), "finite and above 0"),
     ],
 )

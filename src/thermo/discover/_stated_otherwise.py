@@ -58,7 +58,7 @@ def stated_otherwise(folder: str | Path, data: Scene | str | Path) -> list[str]:
     )
     return told + [
         f"The estimate was made with another course of the {name} over temperature than this "
-        "scene states: the former is taken."
+        "scene states: the former is taken. Fit anew where the scene is right."
         for name, law, value in courses
         if not eqx.tree_equal(law, law_of(value), rtol=_SAME)
     ]

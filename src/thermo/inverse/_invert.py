@@ -180,7 +180,7 @@ def _unexplained(task: Task, met: dict[str, RunFit]) -> list[str]:
     }
     return [
         f"The residual of {name} is {ratio:.2g} times its noise with model_error: this field or "
-        "this model does not explain the recording."
+        "this model does not explain the recording. `thermo discover` looks for what is missing."
         for name, ratio in ratios.items()
         if ratio > UNEXPLAINED
     ]

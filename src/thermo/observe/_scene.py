@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import InitVar, dataclass, field
 from pathlib import Path
 from typing import Final, final
@@ -37,6 +38,9 @@ _OFF: Final = 20.0
 
 _ROUGHEST: Final = 0.5
 """Relative deviation of a scale [1] beyond which its effect is no longer linear at all."""
+
+_BEYOND: Final = 5.0
+"""How far readings may lie beyond a table of a property [K]."""
 
 _RUN_NAME: Final = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
 
@@ -210,11 +214,31 @@ class Scene:
             remedy="give it as a fraction, 0.01 for 1 %; 0 or no such key for an exact surface",
         )  # fmt: skip
         object.__setattr__(self, "scale_deviation", scale)
+        for key in ("heat_capacity", "conductivity"):
+            table = getattr(self.material, key)
+            if isinstance(table, TemperatureTable):
+                _check_range(table, self.runs, f"{where}: material.{key}.temperature")
         if not self.runs:
             raise InputError(
                 "no runs", where=f"{where}: runs", value="an empty table",
                 limit="at least one run", remedy="add a run with its recording and temperatures",
             )  # fmt: skip
+
+
+def _check_range(table: TemperatureTable, runs: Mapping[str, Run], where: str) -> None:
+    """Raise `InputError` where readings lie beyond a table: nobody said what holds there."""
+    first, last = table.temperature[0] - _BEYOND, table.temperature[-1] + _BEYOND
+    for name, run in runs.items():
+        read = run.recording.temperature[run.recording.valid]
+        if not read.size or (read.min() >= first and read.max() <= last):
+            continue
+        raise InputError(
+            f"readings of run {name} lie beyond a table of the material", where=where,
+            value=f"{read.min():.5g} to {read.max():.5g} K",
+            limit=f"within the table, {table.temperature[0]:g} to {table.temperature[-1]:g} K",
+            remedy="give the property over that range, in kelvin; where it stays as it is, repeat "
+            "its last value",
+        )  # fmt: skip
 
 
 def _constant_error(run: Run, where: str) -> float:

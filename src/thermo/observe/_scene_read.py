@@ -113,7 +113,10 @@ def _material(section: Section) -> StatedMaterial:
 
 
 def _property(material: Section, key: str) -> TemperatureTable | None:
-    if not isinstance(material.table.get(key), dict):
+    stated = material.table.get(key)
+    if isinstance(stated, str | list):
+        raise material.wrong(key, 'a number, or as {"temperature": [...], "value": [...]}')
+    if not isinstance(stated, dict):
         return None
     section = material.section(key)
     section.check_keys(("temperature", "value"))

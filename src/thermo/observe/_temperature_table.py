@@ -40,11 +40,16 @@ class TemperatureTable:
         value = _column(self.value, f"{where}.value", "value of the property")
         for one in at.tolist():
             check_kelvin_number(one, where=f"{where}.temperature", quantity="temperature")
-        if len(at) < 2 or not np.all(np.diff(at) > 0):
+        if len(at) < 2:
+            raise InputError(
+                "a table of one temperature or none", where=f"{where}.temperature", value=shown(at),
+                limit="two or more", remedy="write a property that does not change as a number",
+            )  # fmt: skip
+        if not np.all(np.diff(at) > 0):
             raise InputError(
                 "temperatures of a table do not increase", where=f"{where}.temperature",
-                value=shown(at), limit="two or more, each above the one before",
-                remedy="sort the table by temperature; a constant property is a number",
+                value=shown(at), limit="each above the one before",
+                remedy="sort the table by temperature, each of them once",
             )  # fmt: skip
         if value.shape != at.shape:
             raise InputError(
@@ -52,10 +57,11 @@ class TemperatureTable:
                 value=f"{len(value)} values", limit=f"{len(at)}, one a temperature",
                 remedy="give as many values as temperatures",
             )  # fmt: skip
-        if not (np.isfinite(value).all() and (value > 0).all()):
+        wrong = np.flatnonzero(~(np.isfinite(value) & (value > 0)))
+        if len(wrong):
             raise InputError(
-                "a value of the property is out of range", where=f"{where}.value",
-                value=f"{value.min():g} to {value.max():g}", limit="finite and above 0",
+                "a value of the property is out of range", where=f"{where}.value[{wrong[0]}]",
+                value=f"{value[wrong[0]]:g} at {at[wrong[0]]:g} K", limit="finite and above 0",
                 remedy="give the property itself at each temperature, in SI units",
             )  # fmt: skip
         # Tuples of floats compare, hash and print in full.
@@ -69,9 +75,9 @@ class TemperatureTable:
 
 def _column(values: object, where: str, quantity: str) -> np.ndarray:
     array = real_array(values, where=where, quantity=quantity)
-    if array.ndim != 1 or np.isnan(array).any():
+    if array.ndim != 1:
         raise InputError(
             f"{quantity} is no list of numbers", where=where, value=shown(array),
-            limit="a list of numbers, none missing", remedy="write it as [first, second, ...]",
+            limit="a list of numbers", remedy="write it as [first, second, ...]",
         )  # fmt: skip
     return array
