@@ -14,7 +14,7 @@ from box_scene import CONDUCTIVITY, NOISE, edit
 from bricks import lay_bricks
 
 from thermo.errors import InputError
-from thermo.fields import DirectField, TwoMaterialField, place_control_points
+from thermo.fields import QUANTITIES, DirectField, TwoMaterialField, place_control_points
 from thermo.inverse import (
     Adam,
     Estimate,
@@ -27,7 +27,9 @@ from thermo.inverse import (
     invert,
 )
 from thermo.inverse import _invert as module
+from thermo.inverse._invert import at_bounds
 from thermo.inverse._smoothing import ALL_BUT_UNIFORM
+from thermo.mesh import box_mesh
 from thermo.observe import Recording, Scene, read_scene
 from thermo.physics.integrators import BackwardEuler
 
@@ -310,6 +312,23 @@ def test_a_fit_says_that_it_could_not_be_corrected(
 
 
 @pytest.mark.usefixtures("unsimulated")
+@pytest.mark.parametrize(
+    ("name", "value", "told"),
+    [
+        ("conductivity", 4887.0, "100 % of conductivity came to its bound, 5000 W/m/K"),
+        ("conductivity", 4000.0, ""),
+        ("convection", 0.0102, "100 % of convection came to its bound, 0.01 W/m2/K"),
+        ("emissivity", 0.98, ""),  # paint
+        ("emissivity", 0.00101, "100 % of emissivity came to its bound, 0.001"),
+    ],
+)
+def test_a_value_at_its_bound_is_told(name: str, value: float, told: str) -> None:
+    mesh = box_mesh((0.02, 0.02, 0.008), (2, 2, 1))
+    field, _ = Uniform().make(QUANTITIES[name], mesh, value, 0)
+    found = at_bounds({name: field})
+    assert len(found) == bool(told) and all(told in one for one in found)
+
+
 def test_a_start_scales_first_values_and_nothing_else(block: Path, meshing: Meshing) -> None:
     seen = []
     for start in (1.0, 3.0):

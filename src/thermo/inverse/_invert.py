@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal
 
@@ -133,6 +134,7 @@ def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: flo
             *(_chosen(smoothness) if data_choose(task, ready) else ()),
             *_taken_off(task, met),
             *_unexplained(task, met),
+            *at_bounds(found),
             *scale_remarks(scale),
         ),
         scale=scale,
@@ -168,6 +170,28 @@ def _taken_off(task: Task, met: dict[str, RunFit]) -> list[str]:
     return [
         f"What the fit's cells and steps make wrong is allowed for (mesh.corrected): {words} (RMS)."
     ]
+
+
+# Share of a bound within which a value counts as there, and of values that are told of [1].
+_THERE, _SOME = 0.05, 0.1
+
+
+def at_bounds(found: Mapping[str, AbstractField]) -> list[str]:
+    """Remarks on fields [SI] of which some came to a bound; an emissivity may well be one."""
+    told = []
+    for name, item in found.items():
+        quantity, values = item.quantity, np.asarray(item.control_values())
+        there = {
+            quantity.lower: values < quantity.lower * (1 + _THERE),
+            quantity.upper: (values > quantity.upper * (1 - _THERE)) & (name != "emissivity"),
+        }
+        told += [
+            f"{100 * np.mean(some):.0f} % of {name} came to its bound, {bound:g} {quantity.unit}: "
+            "look at the units of what is stated, and at what else may be wrong."
+            for bound, some in there.items()
+            if np.mean(some) >= _SOME
+        ]
+    return told
 
 
 UNEXPLAINED = 2.0
