@@ -141,6 +141,22 @@ def test_a_run_speaks_against_what_surely_leaves_too_much(
             assert ("% closed" in path.remarks[-1]) == (closed is not None)
 
 
+def test_one_that_holds_on_another_run_stays_where_its_rival_is_refuted() -> None:
+    there = {
+        name: {"cooling": HeldOut(0.1, after, 0.05, closed, (closed - 0.05, closed + 0.05))}
+        for name, after, closed in [
+            ("one", 0.07, 0.7),
+            ("other", 0.052, 1.0),
+            ("third", 0.06, 0.95),
+        ]
+    }
+    assert set(excluded(there)) == {"one"}, "far from thirty times as much is left"
+    assert excluded({"one": there["one"]}) == {}, "all are refuted"
+    # One far off, with nothing to be sure by, and one refuted: the latter is all that is left.
+    far = {"cooling": HeldOut(10.0, 5.0, 0.05, None)}
+    assert set(excluded({"one": there["one"], "far": far})) == {"far"}
+
+
 @given(st.floats(0.01, 1e4))
 def test_of_two_that_hold_one_is_excluded_in_five_per_cent_at_the_most(scale: float) -> None:
     # One is within noise by chance, and the other one far from it.

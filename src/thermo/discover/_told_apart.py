@@ -32,8 +32,9 @@ def told_apart(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
     """What is predicted of held-out runs; and the path without what they exclude.
 
     Of the last effect's rivals that explain the fitted runs as well each is predicted there too.
-    One that leaves far more than another is taken out of the set, and where that is the effect at
-    work, the one that leaves least takes its place. Where that is refuted too, nothing is named.
+    One that leaves far more than another, or is refuted where another is not, is taken out of the
+    set, and where that is the effect at work, the one that leaves least takes its place. Where all
+    are refuted, nothing is named.
     """
     path, proof = _without_excluded(path, pace)
     against = [name for name, one in proof.items() if refuted(one)]
@@ -70,11 +71,12 @@ def _without_excluded(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
             pace.step(f"predicting held-out runs with {one.name()} in place of {name}")
             standing = undoubted(with_all(one, path.standing), path.begun.allowed)
             there[one.name()] = standing, held_out(standing.bench, begun, standing.point)
-    out = excluded({each: found for each, (_, found) in there.items()})
+    proofs = {each: found for each, (_, found) in there.items()}
+    out = excluded(proofs)
     if not out:
         return path, proof
-    best = min(there, key=lambda each: excess(there[each][1]))
     kept = [each for each in together if each not in out]
+    best = min((each for each in kept if each in there), key=lambda each: excess(proofs[each]))
     remarks = [*path.remarks, _excluded(best, there[best][1], out)]
     return _with(replace(path, remarks=remarks), there[best][0], best, kept), there[best][1]
 
@@ -85,9 +87,12 @@ def excess(proof: Proof) -> float:
 
 
 def excluded(proofs: Mapping[str, Proof]) -> dict[str, Proof]:
-    """By effect, what those leave that leave far more than the best."""
+    """By effect, what those leave that leave far more than the best, or are refuted; never all."""
     least = max(min(map(excess, proofs.values())), 1.0)
-    return {name: one for name, one in proofs.items() if excess(one) > _BEYOND * least}
+    far = {name for name, one in proofs.items() if excess(one) > _BEYOND * least}
+    against = {name for name, one in proofs.items() if any(map(refuted, one.values()))}
+    out = far | against if len(far | against) < len(proofs) else far
+    return {name: one for name, one in proofs.items() if name in out}
 
 
 def _with(path: SearchPath, standing: Standing, best: str, kept: list[str]) -> SearchPath:
