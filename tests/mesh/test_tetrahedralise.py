@@ -74,11 +74,13 @@ def test_cells_are_small_where_that_is_asked_for(cube, folder):
     mesh = tetrahedralise(cube, replace(COARSE, fine=Fine(spots, 0.003)), cache=folder)
     assert mesh.volume() == pytest.approx(0.04**3, rel=1e-4)
 
-    def size(one):
+    def there(one):
         away = np.linalg.norm(one.nodes[one.cells].mean(axis=1), axis=1)
-        return np.median(cell_volumes(one)[away < 0.009])
+        return (away < 0.009).sum()
 
-    assert np.cbrt(size(plain) / size(mesh)) > 1.5
+    # Of twenty meshes of either size the plain ones had 16 to 36 cells there, the others 91 to 370:
+    # in logarithms 55 is 3.6 standard deviations from either.
+    assert there(plain) < 55 < there(mesh)
 
 
 def test_of_two_processes_that_mesh_one_body_the_first_mesh_counts(
