@@ -7,6 +7,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import jax
+import jax.numpy as jnp
+import numpy as np
 import pytest
 
 from thermo import _compiled
@@ -80,3 +83,30 @@ def test_programs_are_dropped_near_the_limit_of_memory_maps(
     monkeypatch.setattr(_compiled, "MOST_MAPS", 0.0)
     _compiled.make_room()
     assert dropped == ([True] if sys.platform == "linux" else [])
+
+
+def test_a_program_is_what_its_function_is_and_is_compiled_once() -> None:
+    traced = []
+
+    def double(numbers: jax.Array, *, more: str) -> jax.Array:
+        traced.append(more)
+        return 2 * numbers
+
+    first = _compiled.program(double)(jnp.arange(3.0), more="once")
+    again = _compiled.program(double)(jnp.arange(3.0) + 1, more="once")
+    np.testing.assert_array_equal(first, [0, 2, 4])
+    np.testing.assert_array_equal(again, [2, 4, 6])
+    assert traced == ["once"]
+    assert _compiled.program(double).__name__ == "double"
+
+
+def test_where_the_compiler_knows_no_such_option_it_does_without(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(_compiled, "_OPTIONS", {"xla_no_such_option": True})
+    _compiled._options.cache_clear()
+    try:
+        assert _compiled._options() == {}
+        assert float(_compiled.program(jnp.sin)(jnp.zeros(()))) == 0.0
+    finally:
+        _compiled._options.cache_clear()

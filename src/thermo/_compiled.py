@@ -1,15 +1,26 @@
-"""Compiled programs kept on disk, so that the same kind of run compiles once on a machine."""
+"""Programs: how they are compiled, and kept on disk for the next run of their kind."""
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import os
 import platform
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, Final, ParamSpec, TypeVar, cast
 
+import equinox as eqx
 import jax
 
 from thermo._cache_folder import cache_folder
+
+Taken = ParamSpec("Taken")
+Given = TypeVar("Given")
+
+# A simulation is some hundred small loops. XLA writes each by way of MLIR, which takes longer than
+# optimising it; the way before that takes a third off compiling, and programs are no slower.
+_OPTIONS: Final[dict[str, Any]] = {"xla_cpu_use_fusion_emitters": False}
 
 SHORTEST = 0.3
 """Seconds of compiling from which a program is kept."""
@@ -48,6 +59,32 @@ def keep_compiled() -> None:
     if there.is_dir() and os.access(there, os.W_OK):
         jax.config.update("jax_compilation_cache_dir", str(folder))
         jax.config.update("jax_persistent_cache_min_compile_time_secs", SHORTEST)
+
+
+@functools.cache
+def _options() -> dict[str, Any]:
+    """What programs are compiled with, as far as this XLA knows it."""
+    try:
+        jax.jit(lambda: 0.0).lower().compile(compiler_options=_OPTIONS)
+    except jax.errors.JaxRuntimeError:
+        return {}
+    return _OPTIONS
+
+
+def program(function: Callable[Taken, Given]) -> Callable[Taken, Given]:
+    """The function compiled as `equinox.filter_jit` does, sooner; no part of another program."""
+
+    # Asked for when it first runs: what XLA knows it says by compiling.
+    @functools.cache
+    def made() -> Callable[Taken, Given]:
+        # Its types know of no options; what it does not take itself it hands on to `jax.jit`.
+        return cast(Any, eqx.filter_jit)(function, compiler_options=_options())
+
+    @functools.wraps(function)
+    def run(*args: Taken.args, **kwargs: Taken.kwargs) -> Given:
+        return made()(*args, **kwargs)
+
+    return run
 
 
 MOST_MAPS = 0.5

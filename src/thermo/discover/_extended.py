@@ -13,6 +13,7 @@ import numpy as np
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float, Int
 
+from thermo._compiled import program
 from thermo.discover._candidate import Candidate
 from thermo.inverse import (
     Case,
@@ -98,7 +99,7 @@ def _one(group: Case, row: Int[Array, ""]) -> Case:
     return jax.tree.map(lambda leaf: leaf[row], group)
 
 
-@eqx.filter_jit
+@program
 def _readings(
     alone: Objective, point: Extended, group: Case, row: Int[Array, ""]
 ) -> Float[Array, "frames samples"]:
@@ -113,7 +114,7 @@ def _push(
     return jax.vmap(lambda way: jax.jvp(function, (at,), (way,)), out_axes=(None, 1))(ways)
 
 
-@eqx.filter_jit
+@program
 def _columns(
     alone: Objective,
     point: Extended,
@@ -126,7 +127,7 @@ def _columns(
     return _push(lambda at: _white(alone, unravel(at), case), flat, ways)
 
 
-@eqx.filter_jit
+@program
 def _penalty_columns(
     alone: Objective, point: Extended, ways: Float[Array, "ways entries"]
 ) -> Columns:
@@ -160,7 +161,7 @@ def _filled(ways: Float[np.ndarray, "ways entries"], width: int) -> list[Float[A
     return [jnp.asarray(filled[begin : begin + width]) for begin in range(0, len(filled), width)]
 
 
-@eqx.filter_jit
+@program
 def _signatures(
     alone: Objective,
     point: Extended,
@@ -198,7 +199,7 @@ def signatures(
     return np.concatenate([*slopes, np.zeros((penalty(objective, point.fields).size, len(ways)))])
 
 
-@eqx.filter_jit
+@program
 def whitened(
     objective: Objective, apart: Sequence[Float[Array, "runs frames samples"]]
 ) -> Float[Array, " values"]:

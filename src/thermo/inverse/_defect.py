@@ -6,12 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from thermo._compiled import program
 from thermo.errors import InputError
 from thermo.inverse._addition import Addition
 from thermo.inverse._estimate import recovered
@@ -133,7 +133,7 @@ def finer_readings(
     return laid
 
 
-@eqx.filter_jit
+@program
 def _temperatures(objective: Objective) -> list[Float[Array, "runs frames samples"]]:
     return [
         jax.lax.map(lambda one: case_temperatures(objective, objective.fields, one), case)

@@ -6,13 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
+from thermo._compiled import program
 from thermo.inverse._objective import Objective, residual, start
 
 
@@ -48,7 +48,7 @@ def field_loss(
     return FieldLoss(of, first, curvature)
 
 
-@eqx.filter_jit
+@program
 def _half(
     objective: Objective, departures: Float[Array, " unknowns"]
 ) -> tuple[Float[Array, ""], Float[Array, " unknowns"]]:

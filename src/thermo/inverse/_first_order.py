@@ -13,6 +13,7 @@ import optax
 import optimistix as optx
 from jaxtyping import Array, Float
 
+from thermo._compiled import program
 from thermo.inverse._objective import Objective, Parameters, residual
 from thermo.inverse._optimiser import AbstractOptimiser, Memory
 
@@ -101,7 +102,7 @@ def _scaled(objective: Objective, scale: Any) -> Any:
     return function
 
 
-@eqx.filter_jit
+@program
 def _advance_lbfgs(
     objective: Objective, parameters: Parameters, state: Any, scale: Any, method: Any
 ) -> tuple[Parameters, Any, Float[Array, ""], Any]:
@@ -165,7 +166,7 @@ class Adam(AbstractOptimiser):
         return new, state, value, (False, True)
 
 
-@eqx.filter_jit
+@program
 def _slope(objective: Objective, parameters: Parameters) -> tuple[Float[Array, ""], Parameters]:
     count = _residuals(objective, parameters)
     value, slope = jax.value_and_grad(lambda p: loss(objective, p) / count)(parameters)

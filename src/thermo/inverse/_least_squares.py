@@ -13,6 +13,7 @@ import optimistix as optx
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
+from thermo._compiled import program
 from thermo.inverse._objective import Objective, Parameters, jacobian, penalty, residual
 from thermo.inverse._optimiser import AbstractOptimiser, Memory
 
@@ -148,7 +149,7 @@ class _BoundedDescent(optx.AbstractDescent):
 
 # Compiled for what it keeps: the state holds the shape of a Jacobian as a program of its own, and a
 # second fit of the same shapes must meet the same one, or every step would be traced anew.
-@eqx.filter_jit
+@program
 def _begin(objective: Objective, parameters: Parameters, solver: Any) -> Any:
     flat, _ = ravel_pytree(parameters)
     # Only shapes count here; tracing a whole run for them takes seconds.
@@ -162,7 +163,7 @@ def _begin(objective: Objective, parameters: Parameters, solver: Any) -> Any:
     return eqx.tree_at(lambda s: s.search_state.step_size, state, first)
 
 
-@eqx.filter_jit
+@program
 def _advance(
     objective: Objective, parameters: Parameters, state: Any, solver: Any
 ) -> tuple[Parameters, Any, Float[Array, ""], Any]:
@@ -263,7 +264,7 @@ class _Trial(eqx.Module):
     predicted: Float[Array, ""]
 
 
-@eqx.filter_jit
+@program
 def _advance_krylov(
     objective: Objective, parameters: Parameters, state: _Trial, inner: lx.CG, rtol: float
 ) -> tuple[Parameters, _Trial, Float[Array, ""], Any]:

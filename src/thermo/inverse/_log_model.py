@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import final
 
-import equinox as eqx
 import numpy as np
 from jaxtyping import Float
 
+from thermo._compiled import program
 from thermo.errors import InputError
 from thermo.fields import QUANTITIES
 from thermo.inverse._body import Meshing
@@ -60,7 +60,7 @@ class LogModel:
                 )  # fmt: skip
             field, _ = Uniform().make(QUANTITIES[name], self.mesh, float(np.exp(log)), 0)
             parameters[name] = field.parameters()
-        residual, matrix = eqx.filter_jit(jacobian)(self.objective, parameters)
+        residual, matrix = program(jacobian)(self.objective, parameters)
         change = logarithm_slopes(self.objective, parameters, self.names, Uniform.__name__)
         return np.asarray(residual), np.asarray(matrix) @ np.linalg.inv(change)
 

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from thermo._compiled import program
 from thermo.inverse._defect import defect_sizes
 from thermo.inverse._estimate import RunFit
 from thermo.inverse._minimise import Fit
@@ -27,7 +28,7 @@ def run_fits(fit: Fit, runs: tuple[Run, ...], grids: dict[str, TimeGrid]) -> dic
     objective = fit.objective
     whitened = fit.residual
     if whitened is None:
-        whitened = eqx.filter_jit(residual)(objective, fit.parameters)
+        whitened = program(residual)(objective, fit.parameters)
     apart = differences(objective, jnp.asarray(whitened))
     measured = [np.asarray(one) for case in objective.cases for one in case.data]
     result, defect = {}, defect_sizes(objective)

@@ -13,6 +13,7 @@ import jax.numpy as jnp
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
+from thermo._compiled import program
 from thermo.inverse._case import Case
 from thermo.inverse._objective import Objective, Parameters, data_residual, start
 from thermo.physics import ForwardOnly
@@ -50,7 +51,7 @@ def _seen(
     return apart + jnp.expm1(logs["camera_emissivity"]) * above
 
 
-@eqx.filter_jit
+@program
 def scaled_slopes(objective: Objective, names: tuple[str, ...]) -> Float[Array, "values unknowns"]:
     """Slopes of all readings by the parameters and by logarithms of factors [K].
 

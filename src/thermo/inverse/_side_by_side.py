@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
-import equinox as eqx
 import numpy as np
 from jaxtyping import Array, Float
 
+from thermo._compiled import program
 from thermo.inverse._conditions import Conditions
 from thermo.physics import (
     ConjugateGradient,
@@ -58,7 +58,7 @@ def solve_each(
     return at_once(solve, models)
 
 
-@eqx.filter_jit
+@program
 def _solve(
     model: Model, under: Conditions, grid: TimeGrid, readout: ReadOut
 ) -> Float[Array, "frames samples"]:

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final, final
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
+from thermo._compiled import program
 from thermo.inverse._effective_size import repeats
 from thermo.inverse._evidence import Linearised, most_probable_steps
 from thermo.inverse._objective import (
@@ -123,7 +123,7 @@ def much_the_same(one: Objective, other: Objective) -> bool:
     return True
 
 
-@eqx.filter_jit
+@program
 def _evaluate(objective: Objective) -> tuple[Float[Array, " all"], Float[Array, "all unknowns"]]:
     here = start(objective)
     if objective.tangents is None:

@@ -12,6 +12,7 @@ import numpy as np
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
+from thermo._compiled import program
 from thermo.inverse._minimise import Fit
 from thermo.inverse._objective import Objective, jacobian, residual, start, with_fields
 from thermo.inverse._scale_effect import ScaleEffect
@@ -38,7 +39,7 @@ def scale_slopes(task: Task, ready: Ready, objective: Objective) -> Float[np.nda
     Arguments: `ready`: what `objective` was made of; its fields are taken where they stand.
     """
     there = (_scaled(task, ready, objective, float(np.exp(way * STEP))) for way in (1, -1))
-    more, less = (eqx.filter_jit(residual)(one, start(objective)) for one in there)
+    more, less = (program(residual)(one, start(objective)) for one in there)
     return np.asarray((more - less) / (2 * STEP))
 
 
@@ -85,7 +86,7 @@ def scale_effect(task: Task, ready: Ready, fit: Fit) -> ScaleEffect | None:
         return None
     objective = replace(fit.objective, fields=with_fields(fit.objective, fit.parameters))
     steep = fit.objective if fit.objective.tangents is None else fit.objective.tangents
-    _, matrix = eqx.filter_jit(jacobian)(steep, fit.parameters)
+    _, matrix = program(jacobian)(steep, fit.parameters)
     # Bounded, so that a direction which nothing fixes does not carry rounding into all others.
     inverse = np.linalg.pinv(np.asarray(matrix), rcond=1e-10)
     moved = -inverse @ scale_slopes(task, ready, objective)

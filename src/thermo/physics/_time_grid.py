@@ -14,6 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
+from thermo._compiled import program
 from thermo.errors import InputError
 from thermo.physics._balance import Balance, assemble
 from thermo.physics._conjugate_gradient import ConjugateGradient
@@ -118,7 +119,7 @@ def _refuse_nothing(tolerance: float, largest: float) -> None:
             )
 
 
-@eqx.filter_jit
+@program
 def _try_step(
     scheme: Sdirk2,
     balance: Balance,
@@ -161,7 +162,7 @@ def plan_steps(
     jumps = _inside(switches, frames)
     stops = np.unique(np.append(jumps, frames))
     solver = ConjugateGradient(rtol=1e-5)
-    balance = eqx.filter_jit(assemble)(model)
+    balance = program(assemble)(model)
     smallest = 1e-4 * min(largest, float(frames[-1]))
     # Weakly typed, as a filled array is, the first step would be compiled apart from the others.
     temperature = jnp.asarray(initial, float)
