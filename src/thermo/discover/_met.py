@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from thermo.discover._bench import read_there, steps_for
-from thermo.discover._search import Standing
+from thermo.discover._search import Standing, with_few_places
 from thermo.inverse import Estimate, RunFit, defect_sizes, recovered, staying, with_fields
 from thermo.observe import estimate_noise
 
@@ -16,9 +16,11 @@ _RESOLVED: Final = "What cells and steps make wrong was measured on a finer mesh
 
 def met_runs(standing: Standing) -> dict[str, RunFit]:
     """What is read and what was measured [K] in each run, constant errors of samples taken off."""
-    coarse, grids = steps_for(standing.bench.coarse, standing.point), standing.bench.ready.grids
+    # As in a fit, whose program of readings is there already.
+    point = with_few_places(standing)[0].point
+    coarse, grids = steps_for(standing.bench.coarse, point), standing.bench.ready.grids
     sizes, order = defect_sizes(coarse), iter(coarse.sequence)
-    there = read_there(standing.bench.memory, coarse, standing.point)
+    there = read_there(standing.bench.memory, coarse, point)
     found = {}
     for case, group in zip(coarse.cases, there, strict=True):
         every = (np.asarray(group), np.asarray(case.data), np.asarray(case.weight()))

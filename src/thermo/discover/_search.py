@@ -197,8 +197,9 @@ def scored(standing: Standing, laws: tuple[Candidate, ...], *, alpha: float) -> 
     make_room()
     point = standing.point
     here = [one for one in entries(point) if (one.card.name, one.part) not in standing.active]
-    beside = _beside_laws(standing, laws)
-    there = [one for one in entries(beside) if one.card.law and one.kind >= _kept(standing)]
+    known = {one.card.name for one in point.candidates}
+    beside = with_few_places(replace(standing, point=_beside_laws(standing, laws)))[0].point
+    there = [one for one in entries(beside) if one.card.name not in known]
     # All there is may be at work.
     parts = [np.zeros((len(standing.ended.residual), 0))] + [
         _signatures(standing, at, some) for at, some in ((point, here), (beside, there)) if some
@@ -209,16 +210,18 @@ def scored(standing: Standing, laws: tuple[Candidate, ...], *, alpha: float) -> 
     )  # fmt: skip
 
 
-def _kept(standing: Standing) -> int:
-    return len({name for name, _ in standing.active})
-
-
 def _beside_laws(standing: Standing, laws: tuple[Candidate, ...]) -> Extended:
-    """The kinds at work and all laws: a program apart, as laws cost twice the iterations."""
-    busy = {name for name, _ in standing.active}
-    kept = tuple(one for one in standing.point.candidates if one.card.name in busy)
-    more = tuple(one for one in laws if one.card.name not in busy)
-    return replace(standing.point, candidates=(*kept, *more))
+    """All kinds, laws among them: a program apart, as laws cost twice the iterations.
+
+    The same one whatever is at work, so that it is compiled once.
+    """
+    return replace(standing.point, candidates=_joined(standing.point.candidates, laws))
+
+
+def _joined(own: tuple[Candidate, ...], others: tuple[Candidate, ...]) -> tuple[Candidate, ...]:
+    """One's own, and what others have beside [1]."""
+    names = {one.card.name for one in own}
+    return (*own, *(one for one in others if one.card.name not in names))
 
 
 def _signatures(
@@ -331,10 +334,8 @@ def in_place_of(standing: Standing, number: int, rival: Refit, most: float) -> S
     less = without(standing, number)
     name, part = rival.standing.active[-1]
     theirs = next(one for one in rival.standing.point.candidates if one.card.name == name)
-    own = less.point.candidates
+    own = _joined(less.point.candidates, rival.standing.point.candidates)
     kept = tuple(theirs if one.card.name == name else one for one in own)
-    if name not in {one.card.name for one in own}:
-        kept = (*kept, theirs)
     active = tuple(
         (name, part) if place == number else one for place, one in enumerate(standing.active)
     )
@@ -376,6 +377,5 @@ def with_all(refit: Refit, before: Standing) -> Standing:
     """Where a refit stands, among all candidates that there were before it."""
     found = {one.card.name: one for one in refit.standing.point.candidates}
     kept = tuple(found.get(one.card.name, one) for one in before.point.candidates)
-    names = {one.card.name for one in kept}
-    more = tuple(found[name] for name, _ in refit.standing.active if name not in names)
-    return replace(refit.standing, point=replace(refit.standing.point, candidates=(*kept, *more)))
+    every = _joined(kept, refit.standing.point.candidates)
+    return replace(refit.standing, point=replace(refit.standing.point, candidates=every))
