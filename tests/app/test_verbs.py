@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -112,7 +113,10 @@ def test_predict_scores_the_held_out_run(
     temperature = check_recording(out, "test_lamp")
     check_series(out, "test_lamp")
     check_figures(out, ["curves_test_lamp.png", "residual_test_lamp.png"])
-    assert result(out)["effects"] == result(out)["remarks"] == []
+    assert result(out)["effects"] == []
+    # Three steps of Adam explain nothing.
+    remarks = result(out)["remarks"]
+    assert len(remarks) == 2 and all("does not explain the recording" in one for one in remarks)
     scores = result(out)["scores"]
     assert set(scores) == {"test_lamp"} and set(scores["test_lamp"]) == {"spatial", "median"}
     with np.load(block / "test_lamp.npz", allow_pickle=False) as stored:
@@ -126,6 +130,26 @@ def test_predict_scores_the_held_out_run(
         rel=1e-9,
     )
     assert "test_lamp" in outcome.out and "mae [K]" in outcome.out
+
+
+def test_a_prediction_tells_what_its_fit_does_not_explain(
+    fit: Path, command: Command, block: Path, tmp_path: Path
+) -> None:
+    told = "The residual of lamp is 9 times its noise: this model does not explain the recording."
+    poor = tmp_path / "poor"
+    shutil.copytree(fit, poor)
+    record = result(poor)
+    others = [one for one in record["remarks"] if "does not explain" not in one]
+    (poor / "result.json").write_text(json.dumps(record | {"remarks": [*others, told]}))
+    out = tmp_path / "predicted"
+    outcome = command("predict", f"data={block}", f"estimate={poor}", f"out={out}", "tolerance=0.5")
+    assert outcome.code == 0, outcome.err
+    assert result(out)["remarks"] == [f"Of the fit that this rests on: {told}"]
+    assert told in outcome.out
+    # A folder may come without the record of its fit.
+    (poor / "result.json").unlink()
+    outcome = command("predict", f"data={block}", f"estimate={poor}", f"out={out}", "tolerance=0.5")
+    assert outcome.code == 0 and result(out)["remarks"] == [], outcome.err
 
 
 def test_simulate_takes_the_values_of_the_command_line(

@@ -63,6 +63,18 @@ def read_fitted(folder: Path) -> Fitted:
         ) from fault
 
 
+def unexplained_by(folder: Path) -> tuple[str, ...]:
+    """Remarks of the fit in a folder on runs that it does not explain; none where none are left."""
+    try:
+        return _odd(json.loads((folder / "result.json").read_text("utf-8")))
+    except (OSError, ValueError, KeyError, TypeError):
+        return ()
+
+
+def _odd(record: dict[str, Any]) -> tuple[str, ...]:
+    return tuple(str(one) for one in record["remarks"] if "does not explain" in str(one))
+
+
 def _fitted(folder: Path, record: dict[str, Any]) -> Fitted:
     if record["verb"] != "invert":
         raise ValueError(f"it is of thermo {record['verb']}")
@@ -75,7 +87,6 @@ def _fitted(folder: Path, record: dict[str, Any]) -> Fitted:
     uneven = varies and max(spreads) > ALL_BUT_UNIFORM
     corrected = any(record["fit"].get("defect", {}).values())
     dropped = settings.get("drop_spikes") is True
-    odd = tuple(str(one) for one in record["remarks"] if "does not explain" in one)
     return Fitted(
         folder,
         runs,
@@ -86,7 +97,7 @@ def _fitted(folder: Path, record: dict[str, Any]) -> Fitted:
         uneven,
         corrected,
         dropped,
-        odd,
+        _odd(record),
     )
 
 

@@ -21,6 +21,7 @@ from thermo.app._configuration import (
     size,
     stages,
 )
+from thermo.app._fitted import unexplained_by
 from thermo.app._scene import scene_of
 from thermo.discover import load_effects, stated_otherwise
 from thermo.observe import read_scene
@@ -112,13 +113,17 @@ def predict(settings: Configuration) -> None:
     seconds = time.monotonic() - begun
     taken = [one.card.name for one in effects or ()]
     mesh, _, _, fields = inverse.load_estimate(estimate / "estimate.npz")
-    remarks = stated_otherwise(estimate, scene)
+    remarks = [*stated_otherwise(estimate, scene), *_of_the_fit(estimate)]
     record = write_predictions(
         out, "predict", predictions, settings, seconds, taken, remarks, mesh=mesh, fields=fields
     )
     beside = f"\nEffects beside the stated ones: {', '.join(taken)}." if taken else ""
     told = beside + "".join(f"\n{remark}" for remark in remarks)
     print(f"{prediction_table(record)}\n{told}\n{out / 'result.json'}, {seconds:.0f} s")
+
+
+def _of_the_fit(folder: Path) -> list[str]:
+    return [f"Of the fit that this rests on: {one}" for one in unexplained_by(folder)]
 
 
 def study(settings: Configuration) -> None:
