@@ -197,9 +197,7 @@ def scored(standing: Standing, laws: tuple[Candidate, ...], *, alpha: float) -> 
     make_room()
     point = standing.point
     here = [one for one in entries(point) if (one.card.name, one.part) not in standing.active]
-    known = {one.card.name for one in point.candidates}
-    beside = with_few_places(replace(standing, point=_beside_laws(standing, laws)))[0].point
-    there = [one for one in entries(beside) if one.card.name not in known]
+    beside, there = _law_entries(standing, laws)
     # All there is may be at work.
     parts = [np.zeros((len(standing.ended.residual), 0))] + [
         _signatures(standing, at, some) for at, some in ((point, here), (beside, there)) if some
@@ -208,6 +206,15 @@ def scored(standing: Standing, laws: tuple[Candidate, ...], *, alpha: float) -> 
         [*here, *there], standing.allowed.whiten(np.concatenate(parts, 1)),
         standing.ended.residual, projection(standing.ended.slopes), alpha=alpha,
     )  # fmt: skip
+
+
+def _law_entries(standing: Standing, laws: tuple[Candidate, ...]) -> tuple[Extended, list[Entry]]:
+    """Entries of laws that the point does not hold yet, in a point that does."""
+    known = {one.card.name for one in standing.point.candidates}
+    if all(one.card.name in known for one in laws):
+        return standing.point, []
+    beside = with_few_places(replace(standing, point=_beside_laws(standing, laws)))[0].point
+    return beside, [one for one in entries(beside) if one.card.name not in known]
 
 
 def _beside_laws(standing: Standing, laws: tuple[Candidate, ...]) -> Extended:
