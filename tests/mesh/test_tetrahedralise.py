@@ -72,7 +72,8 @@ def test_cells_are_small_where_that_is_asked_for(cube, folder):
     spots *= 0.006 / np.linalg.norm(spots, axis=1, keepdims=True)
     plain = tetrahedralise(cube, COARSE, cache=folder)
     mesh = tetrahedralise(cube, replace(COARSE, fine=Fine(spots, 0.003)), cache=folder)
-    assert mesh.volume() == pytest.approx(0.04**3, rel=1e-4)
+    # Nodes are brought to the surface, but not one whose move would spoil a cell.
+    assert mesh.volume() == pytest.approx(0.04**3, rel=2e-3)
 
     def there(one):
         away = np.linalg.norm(one.nodes[one.cells].mean(axis=1), axis=1)
