@@ -1,13 +1,14 @@
-"""How long programs take to compile and to run, by how many padded entries a gather is worth.
+"""How long programs take to compile and to run: what a gather is worth, and what XLA is asked for.
 
     python benchmarks/compiling.py
 
 Rows of a matrix are padded to equal lengths in a few groups (`thermo.physics._pattern`): more
 groups have less padding, and more gathers to compile. This asks for the best grouping at several
-prices of a gather: the Jacobian of the bracket's run under its first lamp by one conductivity, in
-quadratic cells of two sizes, and a forward run with its gradient, 300 steps, on a ball of linear
-cells. `compile` and `run` are seconds of processor time, the latter the least of five. Writes
-benchmarks/results/compiling.csv.
+prices of a gather, and at the one in use both with what `thermo._compiled.program` asks of XLA and
+as XLA does by itself (`asked`): the Jacobian of the bracket's run under its first lamp by one
+conductivity, in quadratic cells of two sizes, and a forward run with its gradient, 300 steps, on a
+ball of linear cells. `compile` and `run` are seconds of processor time, the latter the least of
+five. Writes benchmarks/results/compiling.csv.
 """
 
 from __future__ import annotations
@@ -16,13 +17,14 @@ import csv
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from thermo._compiled import _options as asking
 from thermo.inverse import Meshing, log_model
 from thermo.inverse._objective import jacobian, start
 from thermo.mesh import ball_mesh
@@ -34,7 +36,9 @@ from thermo.physics.integrators import Sdirk2
 HERE = Path(__file__).resolve().parent
 RESULTS = HERE / "results" / "compiling.csv"
 COSTS = (1000.0, 2000.0, 4000.0)
-COLUMNS = ("program", "nodes", "price", "gathers", "entries", "compile", "run")
+# By price, what XLA is asked for.
+WAYS = [*((cost, True) for cost in COSTS), (pattern.GATHER_COST, False)]
+COLUMNS = ("program", "nodes", "price", "asked", "gathers", "entries", "compile", "run")
 STEPS, STEP = 300, 0.5  # s
 
 Program = tuple[str, pattern.Pattern, Callable[..., Any], tuple[Any, ...]]
@@ -70,11 +74,14 @@ def programs() -> Iterator[Program]:
     yield "gradient", space.pattern, jax.grad(spread), (jnp.asarray(1.5),)
 
 
-def timed(function: Callable[..., Any], given: tuple[Any, ...]) -> tuple[float, float]:
+def timed(
+    function: Callable[..., Any], given: tuple[Any, ...], *, asked: bool
+) -> tuple[float, float]:
     """Seconds to compile, and to run at best."""
     # A program that came before is not compiled again.
     jax.clear_caches()
-    lowered = eqx.filter_jit(function).lower(*given)
+    options = asking() if asked else {}
+    lowered = cast(Any, eqx.filter_jit)(function, compiler_options=options).lower(*given)
     begun = time.process_time()
     compiled = lowered.compile()
     compiling, runs = time.process_time() - begun, []
@@ -90,14 +97,16 @@ def main() -> None:
     jax.config.update("jax_enable_compilation_cache", False)
     lines = []
     print(*COLUMNS)
-    for cost in COSTS:
+    for cost, asked in WAYS:
         pattern.GATHER_COST = cost
         for name, rows, function, given in programs():
             gathers = sum(block.shape[1] for block in rows.columns)
             entries = sum(block.size for block in rows.columns)
             nodes = rows.bounds[-1][1]
-            seconds = (f"{one:.3g}" for one in timed(function, given))
-            lines.append([name, nodes, f"{cost:g}", gathers, entries, *seconds])
+            seconds = (f"{one:.3g}" for one in timed(function, given, asked=asked))
+            lines.append(
+                [name, nodes, f"{cost:g}", "yes" if asked else "no", gathers, entries, *seconds]
+            )
             print(*lines[-1], flush=True)
     with RESULTS.open("w", newline="") as stream:
         csv.writer(stream, lineterminator="\n").writerows([COLUMNS, *lines])

@@ -18,8 +18,9 @@ from thermo._cache_folder import cache_folder
 Taken = ParamSpec("Taken")
 Given = TypeVar("Given")
 
-# A simulation is some hundred small loops. XLA writes each by way of MLIR, which takes longer than
-# optimising it; the way before that takes a third off compiling, and programs are no slower.
+# A simulation is some hundred small loops. XLA writes each by way of MLIR, which takes about as
+# long as optimising it; the way before that takes up to a third off compiling, and programs run as
+# fast (`benchmarks/compiling.py`).
 _OPTIONS: Final[dict[str, Any]] = {"xla_cpu_use_fusion_emitters": False}
 
 SHORTEST = 0.3
@@ -72,7 +73,10 @@ def _options() -> dict[str, Any]:
 
 
 def program(function: Callable[Taken, Given]) -> Callable[Taken, Given]:
-    """The function compiled as `equinox.filter_jit` does, sooner; no part of another program."""
+    """The function as `equinox.filter_jit` compiles it, only sooner.
+
+    Not to be called while another program is traced: options are those of a whole program.
+    """
 
     # Asked for when it first runs: what XLA knows it says by compiling.
     @functools.cache
