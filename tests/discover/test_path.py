@@ -24,6 +24,7 @@ from thermo.discover._path import SearchPath, search
 from thermo.discover._scores import Score, ScoreTable
 from thermo.discover._search import Standing
 from thermo.discover.candidates import CameraDrift, HiddenSource, Void
+from thermo.errors import InputError
 from thermo.inverse import Ready
 
 from .lit_objective import box_task, objective
@@ -276,8 +277,15 @@ def small_cells(
     *,
     again: bool = False,
     edge: float = 0.5,
+    fault: InputError | None = None,
 ) -> list[str]:
     """What is said where an effect of size one leaves so much in smooth shapes."""
+
+    def resolved(bench: Bench, _: Any) -> Bench:
+        if fault is not None:
+            raise fault
+        return bench
+
     began, now = (standing(60.0, 2, smooth, (("hidden_source", 0),)) for _ in range(2))
     for one, ready in ((began, object.__new__(Ready)), (now, object.__new__(Ready))):
         bench = object.__new__(Bench)
@@ -293,7 +301,7 @@ def small_cells(
         object.__setattr__(now, "active", (("camera_drift", 0),))
     sizes = iter([{"lamp": 0.2}, {"lamp": 0.05}])
     fakes: dict[str, Any] = {
-        "resolved": lambda bench, edges: bench,
+        "resolved": resolved,
         "edge_of": lambda bench: edge,
         "fitted": lambda made, **_: made,
         "rms": lambda _: next(sizes),
@@ -304,7 +312,9 @@ def small_cells(
     _, rounds = _path.on_small_cells(
         now, [found(0.1, 0.5, 0.7)], began, standing(900.0, 1, 600.0), silent(), remarks
     )  # fmt: skip
-    if remarks:
+    if fault is not None:
+        assert rounds[0].closed == 0.7, "what was found stays"
+    elif remarks:
         assert rounds[0].rms_after == {"lamp": 0.05}
         # Of 599 beyond noise in one smooth shape that is left.
         assert rounds[0].closed == pytest.approx((600 - smooth) / 599)
@@ -320,3 +330,17 @@ def test_cells_are_made_smaller_once_about_a_place_that_leaves_a_misfit(
     assert small_cells(monkeypatch, 1.0, PLACE) == [], "nothing is left"
     assert len(small_cells(monkeypatch, 1.0, PLACE, edge=1.1)) == 1, "cells are too large for it"
     assert small_cells(monkeypatch, 40.0, None) == [], "no place is at work"
+
+
+def test_where_no_smaller_cells_can_be_made_the_search_goes_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    fault = InputError(
+        "the mesher did not finish", where="surface.ply", value="stopped after 600 s",
+        limit="600 s", remedy="simplify the surface",
+    )  # fmt: skip
+    (told,) = small_cells(monkeypatch, 40.0, PLACE, fault=fault)
+    assert told == (
+        "Cells beside hidden_source stay as they are: the mesher did not finish, "
+        "stopped after 600 s."
+    )

@@ -37,6 +37,7 @@ from thermo.discover._search import (
     without,
 )
 from thermo.discover._verdict import Effect, Round, Word
+from thermo.errors import InputError
 from thermo.inverse import FINER
 
 CLOSED: Final = 0.9
@@ -204,11 +205,16 @@ def on_small_cells(
     if tried or not placed(standing) or not needed:
         return standing, rounds
     pace.step("fitting on smaller cells")
-    large = rms(standing)
-    standing = fitted(replace(standing, bench=resolved(standing.bench, edges(standing))), times=2)
+    name, large = rounds[-1].effect.card.name, rms(standing)
+    try:
+        bench = resolved(standing.bench, edges(standing))
+    except InputError as fault:
+        # What was found need not be lost for that.
+        remarks.append(f"Cells beside {name} stay as they are: {fault.what}, {fault.value}.")
+        return standing, rounds
+    standing = fitted(replace(standing, bench=bench), times=2)
     small, closed = rms(standing), share_closed(before, standing)
-    told = ", ".join(f"{name} {one:.3g} to {small[name]:.3g} K" for name, one in large.items())
-    name = rounds[-1].effect.card.name
+    told = ", ".join(f"{run} {one:.3g} to {small[run]:.3g} K" for run, one in large.items())
     remarks.append(f"Smaller cells change what is left beside {name}: {told}.")
     return standing, [*rounds[:-1], replace(rounds[-1], rms_after=small, closed=closed)]
 
