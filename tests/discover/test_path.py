@@ -342,5 +342,5 @@ def test_where_no_smaller_cells_can_be_made_the_search_goes_on(
     (told,) = small_cells(monkeypatch, 40.0, PLACE, fault=fault)
     assert told == (
         "Cells beside hidden_source stay as they are: the mesher did not finish, "
-        "stopped after 600 s."
+        "stopped after 600 s; simplify the surface."
     )

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -35,7 +36,12 @@ from thermo.discover._search import (
     scored,
     worth_a_refit,
 )
-from thermo.discover.candidates import HeaterPower, HiddenSource, Void
+from thermo.discover.candidates import (
+    HeaterPower,
+    HiddenSource,
+    TemperatureDependentConductivity,
+    Void,
+)
 from thermo.inverse import Ready
 
 from .lit_objective import box_task, objective
@@ -240,6 +246,24 @@ def test_fits_and_scores_make_room_for_their_programs(
 def test_where_all_there_is_stands_at_work_nothing_is_scored() -> None:
     found = scored(standing(60.0, 2), (), alpha=0.04)
     assert found.scores == [] and found.unseen == [] and found.threshold > 2
+
+
+def test_laws_are_put_beside_all_kinds_whatever_is_at_work() -> None:
+    source = HiddenSource(jnp.zeros(3), Place(jnp.zeros((3, 3)), jnp.ones(3)))
+    law = TemperatureDependentConductivity(jnp.zeros(1))
+    shapes = []
+    for active in ((), (("hidden_source", 2),)):
+        one = standing(60.0, 2, active=active)
+        for name, value in {
+            "point": Extended({}, (source,)),
+            "first": {"hidden_source": source, law.card.name: law},
+            "bench": object.__new__(Bench),
+        }.items():
+            object.__setattr__(one, name, value)
+        beside, found = module._law_entries(one, (law,))
+        assert [each.card.name for each in found] == [law.card.name]
+        shapes.append([leaf.shape for leaf in jax.tree.leaves(beside)])
+    assert shapes[0] == shapes[1], "another shape would be another program"
 
 
 @pytest.mark.parametrize("known", [True, False])

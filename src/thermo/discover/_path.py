@@ -210,7 +210,8 @@ def on_small_cells(
         bench = resolved(standing.bench, edges(standing))
     except InputError as fault:
         # What was found need not be lost for that.
-        remarks.append(f"Cells beside {name} stay as they are: {fault.what}, {fault.value}.")
+        why = f"{fault.what}, {fault.value}; {fault.remedy}"
+        remarks.append(f"Cells beside {name} stay as they are: {why}.")
         return standing, rounds
     standing = fitted(replace(standing, bench=bench), times=2)
     small, closed = rms(standing), share_closed(before, standing)
