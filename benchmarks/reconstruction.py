@@ -1,6 +1,6 @@
 """Surfaces rebuilt from photographs: how far off they are, and what photographs say of them.
 
-    python benchmarks/reconstruction.py [--objects bunny,dino] [--data FOLDER]
+    python benchmarks/reconstruction.py [--objects bunny,dino] [--training fast] [--data FOLDER]
 
 Bunny, bear and bracket are photographed by `photographed.py` and rebuilt from 32 pictures of
 128 x 128 pixels with masks. `results/reconstruction.csv` holds the mean symmetric distance from the
@@ -14,8 +14,10 @@ true surfaces are not public.
 mask, whether the surface is closed, and how far it reaches beyond the published box, and
 `docs/images` six views of each.
 
+`--training full` trains as `thermo reconstruct training=full` does, which is meant for a GPU.
+
 Seconds are those of the training and of the surface, compilation included. An object that is run
-takes the place of its lines in the tables; the lines of others stay.
+takes the place of its lines with the same training in the tables; all others stay.
 
 The objects are not in the repository: --data, or the environment variable THERMOFIELD_DATA, names
 the folder that holds `geometry` and `multiview`; `data` in the repository's root otherwise.
@@ -32,8 +34,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
+import jax
 import numpy as np
 import trimesh
+import yaml
 from photographed import (
     FILES,
     data_folder,
@@ -42,11 +46,13 @@ from photographed import (
     surface_error,
 )
 
+from thermo.app._training import build_training
 from thermo.imaging import read_cameras
 from thermo.reconstruct import (
     Photograph,
     Region,
     Trained,
+    Training,
     masked_by_threshold,
     picture,
     psnr,
@@ -57,8 +63,10 @@ from thermo.reconstruct import (
 )
 from thermo.report import figure_turntable, upward
 
-RESULTS: Final = Path(__file__).parent / "results"
-IMAGES: Final = Path(__file__).parents[1] / "docs" / "images"
+ROOT: Final = Path(__file__).resolve().parents[1]
+RESULTS: Final = ROOT / "benchmarks" / "results"
+IMAGES: Final = ROOT / "docs" / "images"
+TRAININGS: Final = ("fast", "full")
 REAL: Final = {"dino": "middlebury_dinoSparseRing", "temple": "middlebury_templeSparseRing"}
 BRIDGED: Final = 10
 """By how much masks are grown and then shrunk [px], to close shadows: their authors grow by it."""
@@ -72,23 +80,30 @@ class Rebuilt(NamedTuple):
     seconds: float
 
 
-def rebuild(photographs: Sequence[Photograph], region: Region) -> Rebuilt:
-    """A surface, trained as on two cores: the one place that knows how it is called."""
+def training_of(name: str) -> Training:
+    """The training that `thermo reconstruct training=NAME` has."""
+    text = (ROOT / "conf" / "training" / f"{name}.yaml").read_text("utf-8")
+    return build_training(yaml.safe_load(text), seed=0)
+
+
+def rebuild(photographs: Sequence[Photograph], region: Region, training: str) -> Rebuilt:
+    """A surface: the one place that knows how it is called."""
     begun = time.monotonic()
-    found = reconstruct(photographs, region, on_step=_told)
+    found = reconstruct(photographs, region, training_of(training), on_step=_told)
     seconds = time.monotonic() - begun
     surface = trimesh.Trimesh(found.surface.vertices, found.surface.triangles, process=False)
     return Rebuilt(surface, found.trained, seconds)
 
 
-def rendered(name: str, data: Path) -> list[dict[str, Any]]:
+def rendered(name: str, data: Path, training: str) -> list[dict[str, Any]]:
     """One line of the first table."""
     made = photographed(name, data)
-    found = rebuild(made.photographs, region_of(made.photographs))
+    found = rebuild(made.photographs, region_of(made.photographs), training)
     error = surface_error(found.surface, made.truth)
     decibels = [psnr(picture(found.trained, one.camera), one) for one in made.left_out]
     line = {
         "object": name,
+        "training": training,
         "distance_percent": 100 * error.share,
         "volume_ratio": error.volume,
         "closed": found.surface.is_watertight,
@@ -96,28 +111,30 @@ def rendered(name: str, data: Path) -> list[dict[str, Any]]:
         "left_out_psnr_dB": float(np.mean(decibels)),
         "left_out_psnr_least_dB": min(decibels),
         "seconds": round(found.seconds),
-        "cores": _cores(),
+        "on": _processor(),
     }
     return [line]
 
 
-def real(name: str, data: Path) -> list[dict[str, Any]]:
+def real(name: str, data: Path, training: str) -> list[dict[str, Any]]:
     """Lines of the second table, one a photograph."""
     folder = data / "multiview" / REAL[name]
     photographs = real_photographs(name, folder)
     box = published_box(folder)
-    found = rebuild(photographs, region_of(photographs, box))
+    found = rebuild(photographs, region_of(photographs, box), training)
     beyond = reach_beyond(found.surface, box)
-    figure_turntable(IMAGES / f"reconstruct_{name}.png", found.trained, upward(photographs))
+    if training == "fast":
+        figure_turntable(IMAGES / f"reconstruct_{name}.png", found.trained, upward(photographs))
     return [
         {
             "object": name,
+            "training": training,
             "photograph": one.file,
             "iou": silhouette_iou(found.surface, one),
             "closed": found.surface.is_watertight,
             "beyond_box_mm": 1e3 * beyond,
             "seconds": round(found.seconds),
-            "cores": _cores(),
+            "on": _processor(),
         }
         for one in photographs
     ]
@@ -142,14 +159,14 @@ def reach_beyond(surface: trimesh.Trimesh, box: np.ndarray) -> float:
 
 
 def keep(table: Path, lines: list[dict[str, Any]]) -> None:
-    """Write lines into a table in place of those of the same object."""
+    """Write lines into a table in place of those of the same object and training."""
     rows = [{k: f"{v:.4g}" if isinstance(v, float) else v for k, v in one.items()} for one in lines]
     for row in rows:
         print("  ".join(f"{key}={value}" for key, value in row.items()), flush=True)
-    new = {row["object"] for row in rows}
+    new = {(row["object"], row["training"]) for row in rows}
     if table.exists():
         with table.open(newline="") as stream:
-            old = [r for r in csv.DictReader(stream) if r["object"] not in new]
+            old = [r for r in csv.DictReader(stream) if (r["object"], r["training"]) not in new]
         rows = old + rows
     with table.open("w", newline="") as stream:
         writer = csv.DictWriter(stream, list(rows[-1]))
@@ -162,8 +179,9 @@ def _told(step: int, steps: int, decibels: float) -> None:
         print(f"step {step} of {steps}: {decibels:.1f} dB", flush=True)
 
 
-def _cores() -> int:
-    return len(os.sched_getaffinity(0))
+def _processor() -> str:
+    device, cores = jax.devices()[0], len(os.sched_getaffinity(0))
+    return device.device_kind if device.platform != "cpu" else f"{cores} cores"
 
 
 def main() -> None:
@@ -171,6 +189,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Surfaces rebuilt from photographs.")
     parser.add_argument("--data", type=Path, help="folder that holds geometry and multiview")
     parser.add_argument("--objects", default=",".join([*FILES, *REAL]))
+    parser.add_argument("--training", choices=TRAININGS, default="fast")
     given = parser.parse_args()
     data, names = data_folder(given.data), given.objects.split(",")
     for name in names:
@@ -178,9 +197,9 @@ def main() -> None:
             parser.error(f"--objects {name}: known are {', '.join([*FILES, *REAL])}")
     for name in names:
         if name in FILES:
-            keep(RESULTS / "reconstruction.csv", rendered(name, data))
+            keep(RESULTS / "reconstruction.csv", rendered(name, data, given.training))
         else:
-            keep(RESULTS / "reconstruction_silhouettes.csv", real(name, data))
+            keep(RESULTS / "reconstruction_silhouettes.csv", real(name, data, given.training))
 
 
 if __name__ == "__main__":

@@ -6,7 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+import trimesh
 from scipy.signal import lfilter
+from trimesh.intersections import slice_faces_plane
 
 from hidden._bodies import Body
 from hidden._heat import COLD, Lamp, Physics
@@ -103,15 +105,25 @@ def support_contact(random: np.random.Generator, body: Body) -> Hidden:
     """A support as warm as the surroundings below the lowest part along an axis."""
     axis, strength = int(random.integers(3)), _uniform(random, 30, 400)
     low, depth = body.skin_at[:, axis].min(), 0.1 * np.ptp(body.skin_at[:, axis])
+    near = body.skin_at[:, axis] < low + depth
+    # The edge falls between points of the rule, which hold a few per cent more or less than lies
+    # within it.
+    share = _area_below(body, axis, low + depth) / body.skin_weight[near].sum()
 
     def shape(at: np.ndarray) -> np.ndarray:
-        return strength * (at[:, axis] < low + depth)
+        return share * strength * (at[:, axis] < low + depth)
 
-    near = body.skin_at[:, axis] < low + depth
     where = tuple(np.average(body.skin_at[near], axis=0, weights=body.skin_weight[near]))
     return Hidden(
         "support_contact", strength, where, physics=lambda one: replace(one, contact=shape)
     )
+
+
+def _area_below(body: Body, axis: int, level: float) -> float:
+    """Area of the skin [m2] that lies below a level [m] along an axis."""
+    skin, up = body.surface, np.eye(3)[axis]
+    corners, faces, _ = slice_faces_plane(skin.vertices, skin.faces, -up, level * up)
+    return float(trimesh.triangles.area(corners[faces]).sum())
 
 
 def hidden_source(random: np.random.Generator, body: Body) -> Hidden:

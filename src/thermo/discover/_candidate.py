@@ -12,7 +12,6 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from thermo.inverse import AbstractHeatAddition, AbstractReadingAddition
-from thermo.physics import Discretisation
 
 FINE: Final = 5
 """Degree of the rule [1] for what varies within a cell: light that is soon gone, edges of voids."""
@@ -176,15 +175,3 @@ class AbstractReadingCandidate(AbstractReadingAddition):
 
 Candidate = AbstractHeatCandidate | AbstractReadingCandidate
 """An effect that may be missing."""
-
-
-def on_faces(space: Discretisation, place: Place) -> Float[Array, "places faces"]:
-    """Mean of each place's shape over each face [1]."""
-    share = face_shares(space)
-    return jnp.einsum("pfq,fq->pf", place.shapes(jnp.asarray(space.face_point)), share)
-
-
-def face_shares(space: Discretisation) -> Float[Array, "faces points"]:
-    """Weights [1] of the points of each face in a mean over it."""
-    weight = jnp.asarray(space.face_weight)
-    return weight / weight.sum(1, keepdims=True)

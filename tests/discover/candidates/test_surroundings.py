@@ -39,7 +39,7 @@ from thermo.discover.candidates import (
 )
 from thermo.discover.candidates._surroundings import BackingFlow, Vapour, saturation
 from thermo.inverse import Conditions
-from thermo.mesh import box_mesh, face_areas
+from thermo.mesh import box_mesh
 from thermo.physics import Discretisation, Model, discretise
 from thermo.physics.effects import Contact, Convection, History, Radiation
 
@@ -147,8 +147,7 @@ def test_patches_add_up() -> None:
     assert isinstance(first, Convection)
     distance = ((SPACE.face_point[:, :, None] - np.asarray(both.centre)) ** 2).sum(-1)
     shape = np.exp(-distance / (2 * np.asarray(both.size) ** 2))
-    # The points of a face weigh alike.
-    np.testing.assert_allclose(first.coefficient, (shape @ [30.0, 50.0]).mean(1), rtol=1e-12)
+    np.testing.assert_allclose(first.coefficient, shape @ [30.0, 50.0], rtol=1e-12)
 
 
 def contact_of(model: Model) -> np.ndarray:
@@ -172,18 +171,26 @@ def test_a_footprint_is_the_side_and_a_strip_of_its_walls(side: int, fine: Discr
     model = Model(fine, jnp.ones(len(fine.mesh.cells)), jnp.ones(len(fine.mesh.cells)))
     under = hot()
     found = contact_of(supported(on_side(side, 200.0), depth).to_model(model, under))
-    areas = face_areas(fine.mesh)
     across = np.delete(sides, axis)
     wanted = across.prod() + 2 * across.sum() * depth
-    assert (found * areas).sum() == pytest.approx(200.0 * wanted, rel=1e-9)
+    assert (found * fine.face_weight).sum() == pytest.approx(200.0 * wanted, rel=1e-9)
     normal = fine.mesh.normals[:, axis] * (1 if side >= 3 else -1)
     assert np.all(found[normal > 0.9] == 200.0) and np.all(found[normal < -0.9] == 0.0)
+
+
+def test_a_footprint_ends_within_faces() -> None:
+    depth = 0.4 * SIZE[2]
+    found = contact_of(supported(on_side(2, 1.0), depth).to_model(bare(hot()), hot()))
+    above = SPACE.face_point[..., 2] - SPACE.mesh.nodes[:, 2].min()
+    # Gone half a depth farther up than it is full.
+    np.testing.assert_allclose(found, np.interp(above / depth, [0.75, 1.25], [1.0, 0.0]))
+    assert np.ptp(found, axis=1).max() > 0.4
 
 
 def test_a_flat_footprint_is_the_side_alone() -> None:
     # Cells are coarse against the depth: a thin strip of the walls is between their points.
     found = contact_of(supported(on_side(5, 1.0), 1e-4).to_model(bare(hot()), hot()))
-    share = (found * face_areas(SPACE.mesh)).sum() / face_areas(SPACE.mesh).sum()
+    share = (found * SPACE.face_weight).sum() / SPACE.face_weight.sum()
     x, y, z = SIZE
     assert share == pytest.approx(0.5 * x * y / (x * y + y * z + z * x), rel=1e-9)
 
@@ -194,7 +201,7 @@ def test_a_support_is_as_warm_as_the_surroundings() -> None:
     assert np.all(np.asarray(held.flux(jnp.full(shape, AIR), 0.0)) == 0)
     covered = contact_of(supported(jnp.full(6, 50.0)).to_model(bare(hot()), hot()))
     lost = -np.asarray(held.flux(jnp.full(shape, HOT), 0.0))
-    np.testing.assert_allclose(lost, (HOT - AIR) * covered[:, None] + np.zeros(shape))
+    np.testing.assert_allclose(lost, (HOT - AIR) * covered)
 
 
 @pytest.mark.parametrize("side", range(6), ids=SIDES)

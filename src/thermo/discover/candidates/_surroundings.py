@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from thermo.discover._candidate import AbstractHeatCandidate, Card, Place, face_shares, on_faces
+from thermo.discover._candidate import AbstractHeatCandidate, Card, Place
 from thermo.inverse import Conditions
 from thermo.physics import Discretisation, Model
 from thermo.physics.effects import (
@@ -63,8 +63,9 @@ class LocalConvection(AbstractHeatCandidate):
 
     def to_model(self, model: Model, under: Conditions) -> Model:
         """The model [SI] with more convection on patches."""
-        patches = self.strength @ on_faces(model.space, self.place)
-        return _also(model, Convection(patches * under.exposed, under.ambient))
+        shapes = self.place.shapes(jnp.asarray(model.space.face_point))
+        patches = jnp.einsum("p,pfq->fq", self.strength, shapes)
+        return _also(model, Convection(patches * under.exposed[:, None], under.ambient))
 
 
 @final
@@ -89,9 +90,9 @@ class SupportContact(AbstractHeatCandidate):
 
     def to_model(self, model: Model, under: Conditions) -> Model:
         """The model [SI] with a support under its sides."""
-        return _also(model, Contact(self.strength @ self._footprints(model.space), under.ambient))
+        return _also(model, Contact(self._footprints(model.space) @ self.strength, under.ambient))
 
-    def _footprints(self, space: Discretisation) -> Float[Array, "parts faces"]:
+    def _footprints(self, space: Discretisation) -> Float[Array, "faces points sides"]:
         points = jnp.asarray(space.face_point)
         nodes = jnp.asarray(space.mesh.nodes)
         above = jnp.concatenate(
@@ -99,8 +100,7 @@ class SupportContact(AbstractHeatCandidate):
         )  # faces points sides
         # Some smoothness, so that the depth can be found.
         depth = self.place.size
-        inside = jnp.clip(0.5 + (depth - above) / (0.5 * depth), 0.0, 1.0)
-        return jnp.einsum("fqs,fq->sf", inside, face_shares(space))
+        return jnp.clip(0.5 + (depth - above) / (0.5 * depth), 0.0, 1.0)
 
 
 @final

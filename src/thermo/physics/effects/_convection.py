@@ -10,25 +10,33 @@ from jaxtyping import Array, Float
 from thermo.physics.effects._effect import AbstractSurfaceEffect, Time
 from thermo.physics.effects._schedule import History, value_at
 
+Shares = Float[Array, "faces *points"]
+"""A number of each face, or of each of its points."""
+
+
+def _at_points(of: Shares) -> Float[Array, "faces points"]:
+    return of.reshape(len(of), -1)
+
 
 @final
 class Convection(AbstractSurfaceEffect):
     """Newton's law q = h (T_ambient - T).
 
-    - `coefficient`: h of each face, (faces,) [W/m2/K]; zero where a face does not exchange.
+    - `coefficient`: h of each face, (faces,), or of its points, (faces, points) [W/m2/K]; zero
+      where it does not exchange.
     - `ambient`: [K], constant or a history.
 
     Source: paper, boundary condition (checklist B2).
     """
 
-    coefficient: Float[Array, " faces"]
+    coefficient: Shares
     ambient: Float[Array, ""] | float | History
 
     def flux(
         self, temperature: Float[Array, "faces points"], time: Time
     ) -> Float[Array, "faces points"]:
         """Flux into the body [W/m2] at surface temperatures [K] and a time [s]."""
-        return self.coefficient[:, None] * (value_at(self.ambient, time) - temperature)
+        return _at_points(self.coefficient) * (value_at(self.ambient, time) - temperature)
 
     def local(self) -> bool:
         """Yes: the flux at a point knows no other temperature [K]."""
@@ -36,27 +44,28 @@ class Convection(AbstractSurfaceEffect):
 
     def slope(self, temperature: Float[Array, "faces points"]) -> Float[Array, "faces points"]:
         """Coefficient of the implicit matrix, h [W/m2/K]."""
-        return jnp.broadcast_to(self.coefficient[:, None], temperature.shape)
+        return jnp.broadcast_to(_at_points(self.coefficient), temperature.shape)
 
 
 @final
 class Contact(AbstractSurfaceEffect):
     """Contact with a support that keeps its own temperature, q = g (T_support - T).
 
-    - `conductance`: g of each face, (faces,) [W/m2/K]; zero off the support.
+    - `conductance`: g of each face, (faces,), or of its points, (faces, points) [W/m2/K]; zero off
+      the support.
     - `support`: [K], constant or a history.
 
     Source: Carslaw and Jaeger, Conduction of Heat in Solids, section 1.9.
     """
 
-    conductance: Float[Array, " faces"]
+    conductance: Shares
     support: Float[Array, ""] | float | History
 
     def flux(
         self, temperature: Float[Array, "faces points"], time: Time
     ) -> Float[Array, "faces points"]:
         """Flux into the body [W/m2] at surface temperatures [K] and a time [s]."""
-        return self.conductance[:, None] * (value_at(self.support, time) - temperature)
+        return _at_points(self.conductance) * (value_at(self.support, time) - temperature)
 
     def local(self) -> bool:
         """Yes: the flux at a point knows no other temperature [K]."""
@@ -64,4 +73,4 @@ class Contact(AbstractSurfaceEffect):
 
     def slope(self, temperature: Float[Array, "faces points"]) -> Float[Array, "faces points"]:
         """Coefficient of the implicit matrix, g [W/m2/K]."""
-        return jnp.broadcast_to(self.conductance[:, None], temperature.shape)
+        return jnp.broadcast_to(_at_points(self.conductance), temperature.shape)
