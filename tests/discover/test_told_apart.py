@@ -113,8 +113,8 @@ def test_one_that_is_named_has_no_rivals_to_be_predicted(monkeypatch: pytest.Mon
     ("after", "closed", "interval", "against"),
     [
         (0.055, 0.2, (0.1, 0.3), False),  # as good as noise
-        (0.07, 0.8, (0.7, 0.91), False),  # enough may be closed
-        (0.07, 0.8, (0.7, 0.89), True),
+        (0.07, 0.8, (0.7, 0.98), False),  # enough may be closed
+        (0.07, 0.8, (0.7, 0.97), True),
         (0.12, -0.3, (-0.5, -0.1), True),
         (0.07, 0.2, None, False),  # too few samples to be sure
         (0.12, -0.3, None, True),

@@ -40,8 +40,8 @@ from thermo.discover._verdict import Effect, Round, Word
 from thermo.errors import InputError
 from thermo.inverse import FINER
 
-CLOSED: Final = 0.9
-"""Named effects close this share of what is beyond noise, or leave no more than noise [1]."""
+# Named effects close this share of what is beyond noise, or leave no more than noise [1].
+_CLOSED: Final = 0.9
 
 # Chance of a false alarm by the largest score, and by the misfit in smooth shapes [1]; each round
 # has half of the one before.
@@ -330,7 +330,7 @@ def _word(begun: Standing, last: Standing, rounds: list[Round], table: ScoreTabl
     if not rounds:
         gap = _alarm(table) or by_shapes(begun) <= _BY_SHAPES
         return "none_of_mine" if gap else "no_gap"
-    if share_closed(begun, last) < CLOSED and by_shapes(last) <= _BY_SHAPES:
+    if share_closed(begun, last) < _CLOSED and by_shapes(last) <= _BY_SHAPES:
         return "none_of_mine"
     return verdict_of(rounds)
 

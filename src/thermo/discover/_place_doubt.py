@@ -16,8 +16,10 @@ from thermo.discover._entries import Active
 from thermo.discover._extended import Extended, whitened
 from thermo.discover._search import Standing, box_of, fitted, with_few_places
 
-# As much of an effect may be elsewhere as its place says [1]. Sizes over the found one [1].
-_ELSEWHERE: Final = 0.15
+ELSEWHERE: Final = 0.15
+"""As much of an effect may be elsewhere than its place says [1]."""
+
+# Sizes over the found one [1].
 _SIZES: Final = (0.5, 2.0)
 
 Corners = Float[np.ndarray, "2 3"]
@@ -43,7 +45,7 @@ def with_doubt(standing: Standing, allowed: Allowance) -> Standing:
     made = np.zeros((len(standing.ended.residual), len(others)))
     for number, point in enumerate(others):
         read = read_there(memory, objective, point)
-        apart = [_ELSEWHERE * (one - known) for one, known in zip(read, base, strict=True)]
+        apart = [ELSEWHERE * (one - known) for one, known in zip(read, base, strict=True)]
         white = np.asarray(whitened(objective, apart))
         made[: len(white), number] = white
     return fitted(replace(standing, allowed=beside(allowed, made)), times=0)

@@ -10,8 +10,8 @@ import numpy as np
 
 from thermo.discover._held_out import held_out
 from thermo.discover._pace import Pace
-from thermo.discover._path import CLOSED, SearchPath, verdict_of
-from thermo.discover._place_doubt import undoubted, with_doubt
+from thermo.discover._path import SearchPath, verdict_of
+from thermo.discover._place_doubt import ELSEWHERE, undoubted, with_doubt
 from thermo.discover._rounds import effect_of, rms, with_joint_effects
 from thermo.discover._search import Standing, with_all
 from thermo.discover._verdict import HeldOut
@@ -26,6 +26,10 @@ _BEYOND: Final = 30.0
 
 # What is left on a run that was not fitted, over its noise, where a model counts as right [1].
 _MET: Final = 1.1
+
+# Share of squares that is closed at the least, else [1]: an effect of which as much is elsewhere as
+# the shape of a place may make wrong leaves the rest.
+_HELD: Final = 1 - ELSEWHERE**2
 
 
 def told_apart(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
@@ -47,14 +51,14 @@ def told_apart(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
 def refuted(one: HeldOut) -> bool:
     """Whether a run that was not fitted speaks against what explains those that were.
 
-    More is left than noise, and surely not as much is closed as a named effect has to close. With
+    More is left than noise, and surely more than a place whose shape is a guess would leave. With
     too few samples to be sure, or nothing to close, the difference has to grow.
     """
     if one.rms_after <= _MET * one.noise:
         return False
     if one.interval95 is None:
         return one.rms_after > one.rms_before
-    return one.interval95[1] < CLOSED
+    return one.interval95[1] < _HELD
 
 
 def _without_excluded(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:

@@ -9,10 +9,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from thermo.discover._candidate import AbstractReadingCandidate, Card, Place
+from thermo.discover.candidates._between_frames import between_frames
 from thermo.inverse import Conditions
-
-# Temperatures go on as they ended for this long [s], longer than any offset.
-_BEYOND = 1e3
 
 
 @final
@@ -80,18 +78,7 @@ class ClockOffset(AbstractReadingCandidate):
     ) -> Float[Array, "frames samples"]:
         """What is read [K] of temperatures [K] at times [s]."""
         del under
-        # A run that others outlast is filled up with its last time, where nothing is read.
-        own = jax.lax.cummax(
-            jnp.where(jnp.diff(time, prepend=time[0] - 1) > 0, jnp.arange(len(time)), 0)
-        )
-        temperature, end = temperature[own], own[-1]
-        slope = (temperature[end] - temperature[end - 1]) / (time[end] - time[end - 1])
-        before, after = time[0] - _BEYOND, time[-1] + _BEYOND
-        last = temperature[-1] + slope * _BEYOND
-        longer = jnp.concatenate([temperature[:1], temperature, last[None]])
-        when = jnp.concatenate([before[None], time, after[None]])
-        at = time + self.strength[0]
-        return jax.vmap(lambda one: jnp.interp(at, when, one), 1, 1)(longer)
+        return between_frames(temperature, time, time + self.strength[0])
 
 
 @final
