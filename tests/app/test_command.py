@@ -123,3 +123,6 @@ def test_a_misspelt_setting_is_told_by_its_right_name(
     outcome = command(*words)
     assert outcome.code == 2 and meant in outcome.err
     assert "did you mean" not in command(words[0], "qqqq=1").err
+    # What would have been accepted is listed.
+    limit = next(line for line in outcome.err.splitlines() if line.strip().startswith("limit:"))
+    assert ", out, " in limit and "hydra" not in limit and "defaults" not in limit

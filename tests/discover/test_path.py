@@ -20,7 +20,7 @@ from thermo.discover._bench import Bench
 from thermo.discover._entries import Entry
 from thermo.discover._extended import Extended
 from thermo.discover._pace import silent
-from thermo.discover._path import SearchPath, search
+from thermo.discover._path import SearchPath, search, twice
 from thermo.discover._scores import Score, ScoreTable
 from thermo.discover._search import Standing
 from thermo.discover.candidates import CameraDrift, HiddenSource, Void
@@ -97,6 +97,12 @@ def test_an_effect_that_may_be_nothing_is_not_named_where_nothing_else_is_left(
     assert "[0, 0.5] W" in path.remarks[0]
 
 
+def test_kinds_at_two_places_are_told_of() -> None:
+    (told,) = twice(["void", "local_convection", "void"])
+    assert told.startswith("void is at work at 2 places")
+    assert twice([]) == twice(["void", "sensor_lag"]) == []
+
+
 def test_one_that_cannot_be_nothing_is(monkeypatch: pytest.MonkeyPatch) -> None:
     path = searched(monkeypatch, [1.5, 1.0], [found(0.1, 0.5, 0.9)], alarms=1)
     assert path.word == "named" and len(path.rounds) == 1 and path.remarks == []
@@ -137,7 +143,7 @@ def test_beside_a_place_a_score_alone_is_no_alarm(
     path = searched(monkeypatch, [5000.0, left, 1.0], rounds, alarms=2, **more)
     assert path.word == "named" and len(path.rounds) == count
     # Where shapes are quiet beside a place, no score is taken.
-    assert len(scored) == count and "quiet in smooth shapes" in path.remarks[-1]
+    assert len(scored) == count and "nothing more was looked for" in path.remarks[-1]
 
 
 def test_a_fault_of_the_record_is_told_of_and_not_named(monkeypatch: pytest.MonkeyPatch) -> None:

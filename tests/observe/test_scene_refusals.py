@@ -7,12 +7,13 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from thermo.errors import InputError
-from thermo.observe import read_scene
+from thermo.observe import Recording, Run, read_scene
 
 DELETE = object()
 LAMP = "runs.lamp"
@@ -247,6 +248,23 @@ def test_truncated_recording_of_a_scene_is_refused(folder: Path, refuses) -> Non
     )  # fmt: skip
 
 
+def test_quiet_frames_of_a_body_that_is_not_at_its_start_are_refused() -> None:
+    points, time, hot = np.eye(3), np.array([0.0, 1.0, 2.0]), np.linspace(343.0, 303.0, 3)
+    temperature = np.tile(hot[:, None], 3)
+    for quiet, fine in [(343.0, True), (324.0, True), (295.0, False), (363.5, False)]:
+        record = Recording(points, time, temperature, quiet=np.full((4, 3), quiet), where="hot.npz")
+        if fine:
+            Run("cooling", record, 343.0, 295.0, 295.0)
+            continue
+        with pytest.raises(InputError) as refused:
+            Run("cooling", record, 343.0, 295.0, 295.0, where="scene.json: runs.cooling")
+        told = str(refused.value)
+        for words in ("runs.cooling.initial_temperature", f"{quiet:g} K", "20 K apart", "t = 0"):
+            assert words in told
+    unknown = Recording(points, time, temperature, quiet=np.full((4, 3), np.nan))
+    assert Run("cooling", unknown, 343.0, 295.0, 295.0).initial_temperature == 343.0
+
+
 JSON = st.recursive(
     st.none() | st.booleans() | st.floats() | st.integers() | st.text(max_size=5),
     lambda inner: (
@@ -278,8 +296,6 @@ def test_any_value_anywhere_is_read_or_refused(data: st.DataObject, sound: dict)
 def sound() -> dict[str, Any]:
     """Return the entries and the files of a sound scene folder."""
     import io
-
-    import numpy as np
 
     stream = io.BytesIO()
     np.savez(

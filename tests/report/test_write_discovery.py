@@ -6,11 +6,12 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from verdicts import verdict
 
 from thermo.discover import HeldOut
-from thermo.discover.candidates import LatentHeat
+from thermo.discover.candidates import LatentHeat, LocalConvection
 from thermo.report import discovery_record, discovery_table, write_discovery
 
 WORDS = {
@@ -90,6 +91,14 @@ def test_a_change_of_phase_is_told_with_its_temperature() -> None:
     assert record["rounds"][0]["location"] is None
     told = "Missing effect: latent heat, 2e+04 J/kg [1.8e+04, 2.2e+04], at 312.3 K, over 4.5 K."
     assert record["sentences"][0] == told
+
+
+def test_what_reads_alike_is_told_beside_an_effect() -> None:
+    made = verdict("named")
+    (one,) = made.rounds
+    effect = replace(one.effect, card=LocalConvection.card, centre=np.array([0.01, -1e-9, 0.004]))
+    told = discovery_record(replace(made, rounds=[replace(one, effect=effect)]))["sentences"][0]
+    assert told.endswith("at (10.0, 0.0, 4.0) mm. It may as well be a support under that place.")
 
 
 def test_where_nothing_explains_the_gap_residuals_are_those_of_the_stated_model() -> None:

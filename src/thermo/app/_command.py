@@ -89,26 +89,28 @@ def _refusal(verb: str, fault: Exception) -> errors.InputError:
         return _missing(verb, str(fault.full_key), found)
     options = rest.partition("Available options in")[2].partition("Config search path")[0]
     listed = [line.strip() for line in options.splitlines()[1:] if line.strip()]
+    unknown = re.search("override '([^']+)'", found)
+    names = _names(verb) if unknown else []
+    meant = errors.meant(unknown[1], names) if unknown else ""
+    own = dict.fromkeys(name.partition(".")[0] for name in names)
+    limit = listed or [name for name in own if name not in ("defaults", "hydra")]
     return errors.InputError(
         "this command line cannot be used",
         where="the words after the verb",
         value=found,
-        limit=", ".join(listed) or f"the settings of conf/{verb}.yaml, each with a value",
-        remedy=f"{_meant(verb, found)}`thermo {verb} --help` shows every setting and its choices",
+        limit=", ".join(limit) or f"the settings of conf/{verb}.yaml, each with a value",
+        remedy=f"{meant}`thermo {verb} --help` shows every setting and its choices",
     )
 
 
-def _meant(verb: str, found: str) -> str:
-    """The setting whose name is nearest to one that there is not, as a question; or nothing."""
-    name = re.search("override '([^']+)'", found)
-    if name is None:
-        return ""
+def _names(verb: str) -> list[str]:
+    """Names of all settings of a verb, those of groups with dots."""
     folder = configuration_folder()
     known = OmegaConf.load(folder / f"{verb}.yaml")
     names = [*_keys(known)]
     for group, option in (pair for one in known.defaults for pair in _groups(one)):
         names += [group, *_keys(OmegaConf.load(folder / group / f"{option}.yaml"), f"{group}.")]
-    return errors.meant(name[1], names)
+    return names
 
 
 def _groups(default: Any) -> Iterator[tuple[str, str]]:

@@ -54,8 +54,9 @@ _WORTH: Final = 0.5
 # close half of it [1].
 _REACH: Final = 0.25
 _FINE: Final = (
-    "What is left is as quiet in smooth shapes as noise. Beside a place, whose edges are a guess "
-    "that cells blur, scores raise no alarm and were not taken."
+    "What is left in smooth shapes is no more than noise and what the shapes of places may make "
+    "wrong, 15 % of an effect elsewhere. Scores beside a place come from its edges as well, and "
+    "nothing more was looked for."
 )
 # What the finer cells are still wrong by may pass the threshold, hardly so many times [1].
 _SLIGHT: Final = 3.0
@@ -145,6 +146,7 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace) -> SearchPa
     word = "no_gap" if quiet else _word(begun, last, rounds, tables[0])
     together = with_joint_effects(rounds, last, standing)
     others = rivals.get(last.active[-1], ()) if last.active else ()
+    remarks += twice([name for name, _ in last.active])
     alarms = calibrated(begun, tables[0])
     return SearchPath(word, together, begun, last, tables[0], remarks, alarms, others)
 
@@ -216,7 +218,8 @@ def on_small_cells(
     standing = fitted(replace(standing, bench=bench), times=2)
     small, closed = rms(standing), share_closed(before, standing)
     told = ", ".join(f"{run} {one:.3g} to {small[run]:.3g} K" for run, one in large.items())
-    remarks.append(f"Smaller cells change what is left beside {name}: {told}.")
+    if any(f"{one:.3g}" != f"{small[run]:.3g}" for run, one in large.items()):
+        remarks.append(f"Smaller cells change what is left beside {name}: {told}.")
     return standing, [*rounds[:-1], replace(rounds[-1], rms_after=small, closed=closed)]
 
 
@@ -306,6 +309,16 @@ def _nothing(one: Round) -> str:
         f"{one.effect.strength:.3g} [{low:.3g}, {high:.3g}] {one.effect.card.unit}, which may be "
         "nothing, and nothing else is left."
     )
+
+
+def twice(names: list[str]) -> list[str]:
+    """What to say of kinds that are at work at two places."""
+    return [
+        f"{name} is at work at {names.count(name)} places, which may be one of another shape than "
+        "is looked for."
+        for name in dict.fromkeys(names)
+        if names.count(name) > 1
+    ]
 
 
 def _fault(found: Effect) -> str:

@@ -163,12 +163,18 @@ def with_joint_effects(rounds: list[Round], last: Standing, doubted: Standing) -
     """Rounds with strengths and places of the fit in which all effects are at work [SI].
 
     What an effect was fitted to alone holds a part of those that came later. The errors are those
-    of the fit that is `doubted`, in which the shapes of places may be others.
+    of the fit that is `doubted`, in which the shapes of places may be others. Each round begins
+    with what the one before has left [K], and the last ends with what that fit leaves: a fit that
+    is doubted leaves more, as what is allowed for costs it nothing.
     """
     spread = doubted.misfit()
+    after = [*(one.rms_after for one in rounds[:-1]), *([rms(last)] if rounds else [])]
+    before = [*(one.rms_before for one in rounds[:1]), *after]
     return [
-        replace(one, effect=effect_of(last, active, spread, doubted))
-        for one, active in zip(rounds, last.active, strict=True)
+        replace(
+            one, effect=effect_of(last, active, spread, doubted), rms_before=begun, rms_after=ended
+        )
+        for one, active, begun, ended in zip(rounds, last.active, before, after, strict=False)
     ]
 
 

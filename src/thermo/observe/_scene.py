@@ -8,6 +8,8 @@ from dataclasses import InitVar, dataclass, field
 from pathlib import Path
 from typing import Final, final
 
+import numpy as np
+
 from thermo.errors import InputError
 
 from ._box import Box
@@ -35,6 +37,9 @@ UNITS: Final = ("m", "cm", "mm", "inch")
 
 _OFF: Final = 20.0
 """A sample that is further off all the time measures nothing [K]."""
+
+_CONSTANT: Final = 5.0
+"""A camera reads so much wrong all the time, whatever the run spans [K]."""
 
 _ROUGHEST: Final = 0.5
 """Relative deviation of a scale [1] beyond which its effect is no longer linear at all."""
@@ -117,7 +122,8 @@ class Run:
     - `where`: what messages call this run.
 
     Raises `InputError` for temperatures that cannot be kelvin, an unusable name, a history that
-    ends before the recording does, or a `constant_error` that is negative or has no effect.
+    ends before the recording does, quiet frames of a body that is not at its start, or a
+    `constant_error` that is negative or has no effect.
     """
 
     name: str
@@ -141,6 +147,7 @@ class Run:
             )
             object.__setattr__(self, key, number)  # a whole number becomes a float
         object.__setattr__(self, "constant_error", _constant_error(self, where))
+        _check_start(self, where)
         first, last = float(self.recording.time[0]), float(self.recording.time[-1])
         for number, history in enumerate(self.prescribed):
             if history.time[0] > first or history.time[-1] < last:
@@ -155,6 +162,25 @@ class Run:
     def switches(self) -> tuple[float, ...]:
         """Times after the start at which the sources jump [s]."""
         return () if self.heater is None else (float(self.heater.until),)
+
+
+def _check_start(run: Run, where: str) -> None:
+    """Refuse quiet frames that a camera's constant error cannot have put so far from the start."""
+    quiet, record = run.recording.quiet, run.recording
+    if quiet is None or not np.isfinite(quiet).any():
+        return
+    level, span = float(np.nanmean(quiet)), float(np.ptp(record.temperature[record.valid]))
+    most = max(_CONSTANT, span / 2)
+    if abs(level - run.initial_temperature) <= most:
+        return
+    raise InputError(
+        "the quiet frames show the body at another temperature than it starts at",
+        where=f"{where}.initial_temperature",
+        value=f"{run.initial_temperature:g} K; the quiet frames' mean is {level:.6g} K",
+        limit=f"{most:.3g} K apart, 5 K or half of what the run spans",
+        remedy="take quiet frames just before t = 0, the body at its start, or leave them out; "
+        "or correct initial_temperature",
+    )  # fmt: skip
 
 
 @final

@@ -222,13 +222,15 @@ def _named(effect: Effect) -> str:
     unit = "" if effect.card.unit == "1" else f" {effect.card.unit}"
     place = ""
     if effect.centre is not None:
-        at = ", ".join(f"{1e3 * one:.1f}" for one in effect.centre)
+        # No zero with a sign.
+        at = ", ".join(f"{round(1e3 * one, 1) + 0.0:.1f}" for one in effect.centre)
         place = f", at ({at}) mm"
     if effect.transition is not None:
         place = ", at {:.4g} K, over {:.2g} K".format(*effect.transition)
+    alike = f" It may as well be {effect.card.alike}." if effect.card.alike else ""
     return (
         f"Missing effect: {_spoken(effect.card.name)}, {effect.strength:.4g}{unit} "
-        f"[{low:.4g}, {high:.4g}]{place}."
+        f"[{low:.4g}, {high:.4g}]{place}.{alike}"
     )
 
 

@@ -57,6 +57,7 @@ class LocalConvection(AbstractHeatCandidate):
         excited_by="a patch well above the surroundings",
         hides_behind="contact at the same patch",
         split_by="a fan that is turned off, the body turned round",
+        alike="a support under that place",
     )  # fmt: skip
     strength: Float[Array, " parts"]
     place: Place
