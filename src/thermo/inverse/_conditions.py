@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import Final, final
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -24,6 +24,9 @@ from thermo.physics.effects import (
     Schedule,
     spot_profile,
 )
+
+# An axis that passes farther away, in diagonals of the object [1], was not meant.
+_PASSES: Final = 10.0
 
 
 @final
@@ -99,6 +102,22 @@ def _expose(run: Run, space: Discretisation) -> Float[np.ndarray, " faces"]:
     return exposed
 
 
+def _check_lamp(heater: Heater, space: Discretisation, where: str) -> None:
+    """Refuse a lamp whose axis passes far away: wide enough, it would light a body all the same."""
+    low, high = space.mesh.nodes.min(0), space.mesh.nodes.max(0)
+    size = float(np.linalg.norm(high - low))
+    away = float(np.linalg.norm(np.cross((low + high) / 2 - heater.centre, heater.direction)))
+    if away > _PASSES * size:
+        raise InputError(
+            "the lamp's axis passes far from the object",
+            where=f"{where}.centre",
+            value=f"{away:.3g} m from the middle of an object of {size:.3g} m",
+            limit=f"{_PASSES:g} times the object's diagonal, {_PASSES * size:.3g} m",
+            remedy="give centre and radius in metres; for even light, let a wide spot's axis pass "
+            "through the object",
+        )
+
+
 def _nearest_lit(heater: Heater, space: Discretisation) -> Int[np.ndarray, " cells"]:
     # Faces that light only grazes, or reaches by rounding, are not what it enters by.
     towards = np.flatnonzero(-(space.mesh.normals @ heater.direction) > 0.1)
@@ -126,7 +145,8 @@ def conditions(run: Run, space: Discretisation) -> Conditions:
     - `run`: temperatures [K], lamp [W], prescribed histories [K].
     - `space`: the discretised body.
 
-    Raises `InputError` where the lamp, a prescribed or an insulated box misses the surface.
+    Raises `InputError` where the lamp, a prescribed or an insulated box misses the surface, or a
+    lamp's axis passes far from it.
     """
     heater = run.heater
     profile, lit = np.zeros(np.shape(space.face_weight)), np.zeros(len(space.mesh.cells), np.int32)
@@ -144,6 +164,7 @@ def conditions(run: Run, space: Discretisation) -> Conditions:
                 limit="an axis whose light meets the surface",
                 remedy="check centre and direction, in metres and in the surface's axes",
             ) from miss
+        _check_lamp(heater, space, f"runs.{run.name}.heater")
         power = heater.power
         schedule, lit = _schedule(heater), _nearest_lit(heater, space)
     return Conditions(
