@@ -169,12 +169,12 @@ def with_joint_effects(rounds: list[Round], last: Standing, doubted: Standing) -
     """
     spread = doubted.misfit()
     after = [*(one.rms_after for one in rounds[:-1]), *([rms(last)] if rounds else [])]
-    before = [*(one.rms_before for one in rounds[:1]), *after]
+    before = [*(one.rms_before for one in rounds[:1]), *after[:-1]]
     return [
         replace(
             one, effect=effect_of(last, active, spread, doubted), rms_before=begun, rms_after=ended
         )
-        for one, active, begun, ended in zip(rounds, last.active, before, after, strict=False)
+        for one, active, begun, ended in zip(rounds, last.active, before, after, strict=True)
     ]
 
 
