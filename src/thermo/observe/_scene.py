@@ -122,8 +122,7 @@ class Run:
     - `where`: what messages call this run.
 
     Raises `InputError` for temperatures that cannot be kelvin, an unusable name, a history that
-    ends before the recording does, quiet frames of a body that is not at its start, or a
-    `constant_error` that is negative or has no effect.
+    ends before the recording does, or a `constant_error` that is negative or has no effect.
     """
 
     name: str
@@ -147,7 +146,6 @@ class Run:
             )
             object.__setattr__(self, key, number)  # a whole number becomes a float
         object.__setattr__(self, "constant_error", _constant_error(self, where))
-        _check_start(self, where)
         first, last = float(self.recording.time[0]), float(self.recording.time[-1])
         for number, history in enumerate(self.prescribed):
             if history.time[0] > first or history.time[-1] < last:
@@ -166,10 +164,10 @@ class Run:
 
 def _check_start(run: Run, where: str) -> None:
     """Refuse quiet frames that a camera's constant error cannot have put so far from the start."""
-    quiet, record = run.recording.quiet, run.recording
-    if quiet is None or not np.isfinite(quiet).any():
+    quiet, read = run.recording.quiet, run.recording.temperature[run.recording.valid]
+    if quiet is None or not np.isfinite(quiet).any() or not read.size:
         return
-    level, span = float(np.nanmean(quiet)), float(np.ptp(record.temperature[record.valid]))
+    level, span = float(np.nanmean(quiet)), float(np.ptp(read))
     most = max(_CONSTANT, span / 2)
     if abs(level - run.initial_temperature) <= most:
         return
@@ -203,8 +201,8 @@ class Scene:
       rebuilt from photographs, say; 0 where it is exact.
     - `where`: what messages call this scene.
 
-    Raises `InputError` for a missing surface file, values out of range, unknown names, and a
-    property that is None without being unknown.
+    Raises `InputError` for a missing surface file, values out of range, unknown names, a property
+    that is None without being unknown, and quiet frames of a body that is not at its run's start.
     """
 
     folder: Path
@@ -244,6 +242,8 @@ class Scene:
             table = getattr(self.material, key)
             if isinstance(table, TemperatureTable):
                 _check_range(table, self.runs, f"{where}: material.{key}.temperature")
+        for name, run in self.runs.items():
+            _check_start(run, f"{where}: runs.{name}")
         if not self.runs:
             raise InputError(
                 "no runs", where=f"{where}: runs", value="an empty table",
