@@ -32,12 +32,12 @@ import re
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, cast
 
 import jax
 import numpy as np
 import trimesh
-import yaml
+from omegaconf import OmegaConf
 from photographed import (
     FILES,
     data_folder,
@@ -82,8 +82,8 @@ class Rebuilt(NamedTuple):
 
 def training_of(name: str) -> Training:
     """The training that `thermo reconstruct training=NAME` has."""
-    text = (ROOT / "conf" / "training" / f"{name}.yaml").read_text("utf-8")
-    return build_training(yaml.safe_load(text), seed=0)
+    settings = OmegaConf.to_container(OmegaConf.load(ROOT / "conf" / "training" / f"{name}.yaml"))
+    return build_training(cast(dict[str, Any], settings), seed=0)
 
 
 def rebuild(photographs: Sequence[Photograph], region: Region, training: str) -> Rebuilt:
@@ -123,6 +123,7 @@ def real(name: str, data: Path, training: str) -> list[dict[str, Any]]:
     box = published_box(folder)
     found = rebuild(photographs, region_of(photographs, box), training)
     beyond = reach_beyond(found.surface, box)
+    # The pictures are those of what README and docs tell of, two cores.
     if training == "fast":
         figure_turntable(IMAGES / f"reconstruct_{name}.png", found.trained, upward(photographs))
     return [

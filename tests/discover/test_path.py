@@ -283,6 +283,7 @@ def small_cells(
     *,
     again: bool = False,
     edge: float = 0.5,
+    after: float = 0.05,
     fault: InputError | None = None,
 ) -> list[str]:
     """What is said where an effect of size one leaves so much in smooth shapes."""
@@ -305,7 +306,7 @@ def small_cells(
     if place is None:
         object.__setattr__(now, "point", Extended({}, (CameraDrift(jnp.zeros(1)),)))
         object.__setattr__(now, "active", (("camera_drift", 0),))
-    sizes = iter([{"lamp": 0.2}, {"lamp": 0.05}])
+    sizes = iter([{"lamp": 0.2}, {"lamp": after}])
     fakes: dict[str, Any] = {
         "resolved": resolved,
         "edge_of": lambda bench: edge,
@@ -336,6 +337,7 @@ def test_cells_are_made_smaller_once_about_a_place_that_leaves_a_misfit(
     assert small_cells(monkeypatch, 1.0, PLACE) == [], "nothing is left"
     assert len(small_cells(monkeypatch, 1.0, PLACE, edge=1.1)) == 1, "cells are too large for it"
     assert small_cells(monkeypatch, 40.0, None) == [], "no place is at work"
+    assert small_cells(monkeypatch, 40.0, PLACE, after=0.20004) == [], "nothing to tell of"
 
 
 def test_where_no_smaller_cells_can_be_made_the_search_goes_on(

@@ -97,8 +97,10 @@ def test_what_reads_alike_is_told_beside_an_effect() -> None:
     made = verdict("named")
     (one,) = made.rounds
     effect = replace(one.effect, card=LocalConvection.card, centre=np.array([0.01, -1e-9, 0.004]))
-    told = discovery_record(replace(made, rounds=[replace(one, effect=effect)]))["sentences"][0]
-    assert told.endswith("at (10.0, 0.0, 4.0) mm. It may as well be a support under that place.")
+    for strength, ending in [(1.25, " It may as well be a support under that place."), (-1.25, "")]:
+        effect = replace(effect, strength=strength)
+        told = discovery_record(replace(made, rounds=[replace(one, effect=effect)]))
+        assert told["sentences"][0].endswith(f"at (10.0, 0.0, 4.0) mm.{ending}")
 
 
 def test_where_nothing_explains_the_gap_residuals_are_those_of_the_stated_model() -> None:

@@ -43,7 +43,7 @@ class Card:
     - `fault`: whether it is a fault of the record that may stand in for an effect: it is looked for
       and told of, and never named.
     - `excited_by`, `hides_behind`, `split_by`: in words.
-    - `alike`: in words, what no candidate stands for and reads as this effect does.
+    - `alike`: in words, what no candidate stands for and reads as a positive strength does.
     """
 
     name: str

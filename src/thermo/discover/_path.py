@@ -15,7 +15,7 @@ from thermo.discover._calibration import Calibration, calibration
 from thermo.discover._candidate import Candidate, Inclusion, Place
 from thermo.discover._entries import Active
 from thermo.discover._pace import Pace
-from thermo.discover._place_doubt import undoubted, with_doubt
+from thermo.discover._place_doubt import ELSEWHERE, undoubted, with_doubt
 from thermo.discover._projection import projection
 from thermo.discover._replacement import replaced, rivals_of
 from thermo.discover._rounds import (
@@ -55,8 +55,8 @@ _WORTH: Final = 0.5
 _REACH: Final = 0.25
 _FINE: Final = (
     "What is left in smooth shapes is no more than noise and what the shapes of places may make "
-    "wrong, 15 % of an effect elsewhere. Scores beside a place come from its edges as well, and "
-    "nothing more was looked for."
+    f"wrong, {100 * ELSEWHERE:g} % of an effect elsewhere. Scores beside a place come from its "
+    "edges as well, and nothing more was looked for."
 )
 # What the finer cells are still wrong by may pass the threshold, hardly so many times [1].
 _SLIGHT: Final = 3.0

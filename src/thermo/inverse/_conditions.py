@@ -76,7 +76,11 @@ def _prescribe(run: Run, space: Discretisation) -> PrescribedTemperature | None:
 
 def _slack(space: Discretisation) -> float:
     # What lies on a box's sides counts as inside despite rounding.
-    return 1e-6 * float(np.linalg.norm(np.ptp(space.mesh.nodes, axis=0)))
+    return 1e-6 * _diagonal(space)
+
+
+def _diagonal(space: Discretisation) -> float:
+    return float(np.linalg.norm(np.ptp(space.mesh.nodes, axis=0)))
 
 
 def _misses(what: str, where: str, box: Box, space: Discretisation) -> InputError:
@@ -104,9 +108,9 @@ def _expose(run: Run, space: Discretisation) -> Float[np.ndarray, " faces"]:
 
 def _check_lamp(heater: Heater, space: Discretisation, where: str) -> None:
     """Refuse a lamp whose axis passes far away: wide enough, it would light a body all the same."""
-    low, high = space.mesh.nodes.min(0), space.mesh.nodes.max(0)
-    size = float(np.linalg.norm(high - low))
-    away = float(np.linalg.norm(np.cross((low + high) / 2 - heater.centre, heater.direction)))
+    middle = (space.mesh.nodes.min(0) + space.mesh.nodes.max(0)) / 2
+    away = float(np.linalg.norm(np.cross(middle - heater.centre, heater.direction)))
+    size = _diagonal(space)
     if away > _PASSES * size:
         raise InputError(
             "the lamp's axis passes far from the object",

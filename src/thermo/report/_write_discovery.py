@@ -227,7 +227,8 @@ def _named(effect: Effect) -> str:
         place = f", at ({at}) mm"
     if effect.transition is not None:
         place = ", at {:.4g} K, over {:.2g} K".format(*effect.transition)
-    alike = f" It may as well be {effect.card.alike}." if effect.card.alike else ""
+    known = effect.card.alike and effect.strength > 0
+    alike = f" It may as well be {effect.card.alike}." if known else ""
     return (
         f"Missing effect: {_spoken(effect.card.name)}, {effect.strength:.4g}{unit} "
         f"[{low:.4g}, {high:.4g}]{place}.{alike}"
