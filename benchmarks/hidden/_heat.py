@@ -66,7 +66,7 @@ class Physics:
     - `conductivity_slope`, `capacity_slope` by temperature, about 293.15 K [1/K].
     - `transition`: latent heat [J/kg], its middle and width on the scale of temperature [K].
     - `contact`: towards `COLD` [W/m2/K]; `source` [W/m3]; `vapour` [W/m2/Pa].
-    - `drift`: of the surroundings over time [K]; `deep`: share of the light that is absorbed below
+    - `drift`: of the air over time [K]; `deep`: share of the light that is absorbed below
       the skin, over a `depth` [m]; `shade`: share of the light that arrives [1]; `start`: what the
       initial temperature is off by [K].
     """
@@ -150,12 +150,12 @@ class Heat:
     def rest(self, temperature: np.ndarray, time: float) -> np.ndarray:
         """All but `matrix` times temperature [W] at a time [s]."""
         body, physics = self.body, self.physics
-        around = COLD + physics.drift(time)
+        air = COLD + physics.drift(time)
         skin = body.skin @ temperature
-        flux = self.air * (around - skin) + self.support * (COLD - skin)
-        flux += self.glow * (around**4 - skin**4) + self.linear * skin
+        flux = self.air * (air - skin) + self.support * (COLD - skin)
+        flux += self.glow * (COLD**4 - skin**4) + self.linear * skin
         if physics.vapour:
-            flux += physics.vapour * (0.5 * pressure(around) - pressure(skin))
+            flux += physics.vapour * (0.5 * pressure(COLD) - pressure(skin))
         made = self.constant + body.skin.T @ (body.skin_weight * flux)
         if self.lamp:
             made += self.lamp.course(time) * self.light

@@ -11,7 +11,9 @@ import pytest
 from verdicts import verdict
 
 from thermo.app import _discover
+from thermo.discover import Setting
 from thermo.discover._memory import Memory
+from thermo.mesh import box_mesh
 from thermo.report import claimed
 
 from .conftest import Command
@@ -31,12 +33,14 @@ def test_what_is_asked_is_handed_on_and_the_verdict_is_left(
     out = tmp_path / "found"
     outcome = command(
         "discover", f"data={block}", f"out={out}", "runs=[lamp]", "unknown=[conductivity]",
-        "initial.conductivity=1.5", "model_error=0.02",
+        "initial.conductivity=1.5", "model_error=0.02", "candidates=[void,radiation]",
     )  # fmt: skip
     assert outcome.code == 0, outcome.err
     assert asked["runs"] == ("lamp",) and asked["unknown"] == ("conductivity",)
     assert asked["initial"] == {"conductivity": 1.5} and asked["model_error"] == 0.02
     assert asked["stepping"].most_frames == 300 and asked["scene"].object == "block"
+    setting = Setting(box_mesh((0.02, 0.01, 0.01), (2, 1, 1)), 2700.0, 30.0, 290.0, 340.0)
+    assert [one.card.name for one in asked["candidates"](setting)] == ["radiation", "void"]
     found = json.loads((out / "verdict.json").read_text())
     assert found["effects"] == ["hidden_source"] and found["object"] == "block"
     assert found["configuration"]["runs"] == ["lamp"] and found["seconds"] >= 0
@@ -57,6 +61,8 @@ def test_what_is_asked_is_handed_on_and_the_verdict_is_left(
         (("unknown=[conductivity,heater_power]",), "heater_power"),
         (("prior.decay=0.1",), "prior"),
         (("model_error=0",), "model_error"),
+        (("candidates=[void,ghost]",), "ghost"),
+        (("candidates=void",), "candidates"),
         (("runs=[test_lamp]",), "test_lamp"),
     ],
 )

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from thermo.discover import Candidate, Card, Setting, _registered, library, registered
+from thermo.discover import Candidate, Card, Setting, _registered, library, only, registered
 from thermo.discover.candidates import HeaterPower
 from thermo.errors import InputError
 from thermo.mesh import box_mesh
@@ -57,3 +57,19 @@ def test_one_that_fails_is_named(monkeypatch: pytest.MonkeyPatch, name: str, tol
     with pytest.raises(InputError, match="candidates cannot be made") as caught:
         registered(SETTING)
     assert "thermo.candidates: mine" in caught.value.where and told in str(caught.value.value)
+
+
+def test_those_that_are_asked_for_keep_their_order(monkeypatch: pytest.MonkeyPatch) -> None:
+    with_points(monkeypatch)
+    found = only(("void", "radiation"))(SETTING)
+    assert [one.card.name for one in found] == ["radiation", "void"]
+
+
+@pytest.mark.parametrize(("names", "told"), [(("void", "ghost"), "ghost"), ((), "none")])
+def test_one_that_nobody_registered_is_named(
+    monkeypatch: pytest.MonkeyPatch, names: tuple[str, ...], told: str
+) -> None:
+    with_points(monkeypatch)
+    with pytest.raises(InputError, match="there is no") as caught:
+        only(names)(SETTING)
+    assert caught.value.value == told and "heater_power" in str(caught.value.limit)

@@ -17,6 +17,8 @@ from thermo.app._configuration import (
     number,
 )
 from thermo.app._scene import scene_of
+from thermo.mesh import box_mesh
+from thermo.observe import Scene
 from thermo.report import (
     claimed,
     discovery_record,
@@ -45,6 +47,7 @@ def discover(settings: Mapping[str, Any]) -> None:
         "model_error": number(settings, "model_error", above=0.0),
     }
     scene, _ = scene_of(settings)
+    arguments["candidates"] = _candidates(settings, scene)
     require_writable(out)
 
     def say(words: str) -> None:
@@ -66,3 +69,15 @@ def discover(settings: Mapping[str, Any]) -> None:
     told = "\n".join(record["sentences"])
     files = "\n".join(f"{out / name}: {held}" for name, held in _LEFT.items())
     print(f"{discovery_table(record)}\n\n{told}\n\n{files}")
+
+
+def _candidates(settings: Mapping[str, Any], scene: Scene) -> Any:
+    """What makes the candidates that are looked for, their names known before there is a mesh."""
+    wanted = names(settings["candidates"], "candidates")
+    if wanted is None:
+        return discovery.registered
+    chosen = discovery.only(wanted)
+    # Names do not hang on the body: a box of a metre will do.
+    some = box_mesh((1.0, 1.0, 1.0), (1, 1, 1))
+    chosen(discovery.Setting(some, scene.material.density, 1.0, 290.0, 310.0))
+    return chosen

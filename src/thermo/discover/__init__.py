@@ -16,7 +16,7 @@ from thermo.discover._library import Setting, library
 from thermo.discover._memory import forget
 from thermo.discover._misfit import Misfit, Part
 from thermo.discover._power import SHARES, Power
-from thermo.discover._registered import registered
+from thermo.discover._registered import only, registered
 from thermo.discover._stated_otherwise import stated_otherwise
 from thermo.discover._trace import Follows, Trace
 from thermo.discover._verdict import Candidacy, Effect, HeldOut, Round, Verdict
@@ -47,6 +47,7 @@ __all__ = [
     "forget",
     "library",
     "load_effects",
+    "only",
     "registered",
     "stated_otherwise",
 ]

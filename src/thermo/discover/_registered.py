@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection
 from importlib.metadata import entry_points
 from typing import Final
 
@@ -31,3 +32,29 @@ def registered(setting: Setting) -> tuple[Candidate, ...]:
                 remedy="mend that package, or uninstall it",
             ) from fault
     return tuple(found)
+
+
+def only(names: Collection[str]) -> Callable[[Setting], tuple[Candidate, ...]]:
+    """Those of the `registered` candidates that have one of these names, for `discover`.
+
+    What is not looked for is not excluded either: an effect that is left out may be named as one
+    that reads like it.
+
+    Raises `InputError`, where candidates are made, for a name that none of them has.
+    """
+
+    def chosen(setting: Setting) -> tuple[Candidate, ...]:
+        every = registered(setting)
+        known = [one.card.name for one in every]
+        strange = sorted(set(names) - set(known))
+        if strange or not names:
+            raise InputError(
+                "there is no such candidate" if strange else "there is no candidate to look for",
+                where="candidates",
+                value=", ".join(strange) or "none",
+                limit=", ".join(known),
+                remedy="give names of these, or null for all",
+            )
+        return tuple(one for one in every if one.card.name in names)
+
+    return chosen

@@ -230,9 +230,17 @@ def test_the_last_strength_of_a_drift_is_the_rise_at_the_end() -> None:
     assert isinstance(air.ambient, History) and isinstance(around.surroundings, History)
     for time, rise in [(0.0, 0.0), (END / 3, 4.0), (END / 2, 1.0), (2 * END / 3, -2.0), (END, 7.0)]:
         assert float(air.ambient.at(time)) == pytest.approx(AIR + rise)
-        assert float(around.surroundings.at(time)) == pytest.approx(AIR + rise)
+        assert float(around.surroundings.at(time)) == AIR, "walls stay as they are"
     assert float(air.ambient.at(2 * END)) == pytest.approx(AIR + 7.0)
     assert [type(one) for one in model.surface] == [type(one) for one in bare(lit()).surface]
+
+
+def test_where_there_is_no_air_the_walls_drift() -> None:
+    model = drift(4.0, -2.0).to_model(bare(lit(), replace(STATED, convection=0.0)), lit())
+    (around,) = (one for one in model.surface if isinstance(one, Radiation))
+    assert isinstance(around.surroundings, History)
+    for time, rise in [(0.0, 0.0), (END / 2, 4.0), (END, -2.0)]:
+        assert float(around.surroundings.at(time)) == pytest.approx(AIR + rise)
 
 
 def test_air_with_a_course_of_its_own_keeps_it_under_a_drift() -> None:

@@ -156,10 +156,11 @@ class BackingConduction(AbstractHeatCandidate):
 
 @final
 class AmbientDrift(AbstractHeatCandidate):
-    """Surroundings that change over the run, by straight lines between evenly spread knots.
+    """Air that changes over the run, by straight lines between evenly spread knots.
 
     The strengths are the rises at the knots after the start; the last is that at the end. They
-    reach convection and radiation; a support and the air of evaporation stay as they are.
+    reach convection alone: walls that warm with the air read as air that warms more. Only where
+    there is no convection at all they are those of the walls.
 
     - `duration`: time of the last knot [s].
     """
@@ -167,8 +168,9 @@ class AmbientDrift(AbstractHeatCandidate):
     card: ClassVar[Card] = Card(
         "ambient_drift", "K", 10.0, -50.0, 50.0,
         excited_by="long runs",
-        hides_behind="radiation, convection",
+        hides_behind="radiation, convection, walls that drift",
         split_by="the surroundings logged; a repeat in reverse order",
+        alike="air and walls that warm together, by less",
         joint=True,
     )  # fmt: skip
     strength: Float[Array, " parts"]
@@ -176,15 +178,18 @@ class AmbientDrift(AbstractHeatCandidate):
     place: Place | None = None
 
     def to_model(self, model: Model, under: Conditions) -> Model:
-        """The model [SI] in surroundings that drift."""
+        """The model [SI] in air that drifts."""
         time = jnp.linspace(0.0, 1.0, len(self.strength) + 1) * self.duration
         rise = jnp.concatenate([jnp.zeros(1), self.strength])
+        films = [one.coefficient for one in model.surface if isinstance(one, Convection)]
+        airless = jnp.all(jnp.stack([jnp.all(one == 0) for one in films]))
+        walls = jnp.where(airless, rise, 0.0)
 
         def drifting(effect: AbstractSurfaceEffect) -> AbstractSurfaceEffect:
             if isinstance(effect, Convection):
                 return replace(effect, ambient=_raised(effect.ambient, time, rise))
             if isinstance(effect, Radiation):
-                return replace(effect, surroundings=_raised(effect.surroundings, time, rise))
+                return replace(effect, surroundings=_raised(effect.surroundings, time, walls))
             return effect
 
         return replace(model, surface=tuple(drifting(effect) for effect in model.surface))
