@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 import trimesh
 from lit_box import FRAMES, HOT, LAMP, MESH, POINTS, SIZE, SPACE, STATED, run
 
+from thermo.discover import Candidate
+from thermo.discover._allowance import allowance
+from thermo.discover._bench import Bench
+from thermo.discover._descent import Ended
+from thermo.discover._extended import Extended
+from thermo.discover._search import Standing
 from thermo.fields import QUANTITIES
 from thermo.inverse import (
     Case,
@@ -17,9 +24,12 @@ from thermo.inverse import (
     Objective,
     OnControlPoints,
     Prior,
+    Ready,
     Stepping,
     Task,
     Uniform,
+    penalty,
+    start,
 )
 from thermo.inverse._case import group_cases, make_case, stack_cases
 from thermo.inverse._objective import FieldPrior
@@ -74,3 +84,25 @@ def parts(of: Objective) -> list[slice]:
     sizes = [np.size(used) for one in of.cases for used in np.asarray(one.used)]
     ends = np.cumsum([0, *sizes])
     return [slice(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+
+
+def partly(kind: type, **fields: object) -> Any:
+    """An object with some of its fields alone."""
+    made = object.__new__(kind)
+    for name, value in fields.items():
+        object.__setattr__(made, name, value)
+    return made
+
+
+def standing_at(objective: Objective, *candidates: Candidate) -> Standing:
+    """One at which all of the candidates' first parts are at work."""
+    point = Extended(start(objective), candidates)
+    values = sum(np.size(case.used) for case in objective.cases)
+    count = values + penalty(objective, point.fields).size
+    names = [each.card.name for each in candidates]
+    ended = Ended(point, np.zeros(count), np.zeros((count, 1)))
+    return Standing(
+        partly(Bench, coarse=objective, ready=partly(Ready, mesh=MESH)),
+        dict(zip(names, candidates, strict=True)), point, tuple((name, 0) for name in names),
+        ended, allowance([], np.eye(count)[:, :1]),
+    )  # fmt: skip

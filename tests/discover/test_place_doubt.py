@@ -3,49 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from lit_box import MESH, at, one
+from lit_box import at, one
 
-from thermo.discover import Candidate, Place, _place_doubt
+from thermo.discover import Place, _place_doubt
 from thermo.discover._allowance import Allowance, allowance
-from thermo.discover._bench import Bench
 from thermo.discover._candidate import Transition
-from thermo.discover._descent import Ended
 from thermo.discover._extended import Extended, readings, whitened
 from thermo.discover._place_doubt import with_doubt
-from thermo.discover._search import Standing
 from thermo.discover.candidates import CameraEmissivity, InDepthAbsorption, LocalConvection
-from thermo.inverse import Objective, Ready, penalty, start
+from thermo.inverse import Objective, penalty
 
 from .lit_objective import objective as made
+from .lit_objective import standing_at as standing
 
 TOP, SIZE = (0.013, 0.006, 0.008), 0.005  # m
-
-
-def partly(kind: type, **fields: object) -> Any:
-    """An object with some of its fields alone."""
-    made = object.__new__(kind)
-    for name, value in fields.items():
-        object.__setattr__(made, name, value)
-    return made
-
-
-def standing(objective: Objective, *candidates: Candidate) -> Standing:
-    """One at which all of the candidates' first parts are at work."""
-    point = Extended(start(objective), candidates)
-    values = sum(np.size(case.used) for case in objective.cases)
-    count = values + penalty(objective, point.fields).size
-    names = [each.card.name for each in candidates]
-    ended = Ended(point, np.zeros(count), np.zeros((count, 1)))
-    return Standing(
-        partly(Bench, coarse=objective, ready=partly(Ready, mesh=MESH)),
-        dict(zip(names, candidates, strict=True)), point, tuple((name, 0) for name in names),
-        ended, allowance([], np.eye(count)[:, :1]),
-    )  # fmt: skip
 
 
 @pytest.fixture(scope="module")

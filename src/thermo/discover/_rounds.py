@@ -10,6 +10,7 @@ from jax.flatten_util import ravel_pytree
 from scipy.stats import chi2
 
 from thermo.discover._candidate import Transition
+from thermo.discover._conductance import conductance_of
 from thermo.discover._descent import Ended
 from thermo.discover._entries import Active, Entry, entry_of
 from thermo.discover._met import met_runs
@@ -155,8 +156,9 @@ def effect_of(
     at = None if band is None else (float(band.centre[entry.part]), float(band.size[entry.part]))
     ends = np.clip([value - NORMAL * sd, value + NORMAL * sd], entry.card.low, entry.card.high)
     return Effect(
-        entry.card, value, sd, (float(ends[0]), float(ends[1])), centre, size, at, chance=chance
-    )
+        entry.card, value, sd, (float(ends[0]), float(ends[1])), centre, size, at,
+        conductance_of(standing, active), chance=chance,
+    )  # fmt: skip
 
 
 def with_joint_effects(rounds: list[Round], last: Standing, doubted: Standing) -> list[Round]:

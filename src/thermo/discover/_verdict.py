@@ -26,6 +26,7 @@ class Effect:
     - `centre`: (3,) [m], `size`: [m]; None where the effect has no place.
     - `chance`: of strengths as large by the scatter of the fit alone, all of a joint effect [1].
     - `transition`: middle and width on the scale of temperature [K], or None.
+    - `conductance`: over all of its place [W/K]; None where it adds no convection and no contact.
     """
 
     card: Card
@@ -35,6 +36,7 @@ class Effect:
     centre: Float[np.ndarray, "3"] | None
     size: float | None
     transition: tuple[float, float] | None = None
+    conductance: float | None = None
     chance: float = field(kw_only=True)
 
 

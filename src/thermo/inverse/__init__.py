@@ -50,6 +50,7 @@ from thermo.inverse._log_model import LogModel, log_model
 from thermo.inverse._objective import (
     Objective,
     Parameters,
+    case_model,
     case_temperatures,
     penalty,
     residual,
@@ -126,6 +127,7 @@ __all__ = [
     "at_once",
     "bands",
     "carry_over",
+    "case_model",
     "case_temperatures",
     "coarse_tangents",
     "defect_sizes",

@@ -23,6 +23,7 @@ from thermo.physics import (
     ConjugateGradient,
     Discretisation,
     ForwardOnly,
+    Model,
     solve_heat,
 )
 from thermo.physics.integrators import AbstractIntegrator
@@ -143,12 +144,8 @@ def case_temperatures(
     additions: tuple[Addition, ...] = (),
 ) -> Float[Array, "frames samples"]:
     """Simulated readings [K] of one run at its samples and frames, its defect added."""
-    space = objective.space
-    values = {name: (field.cell_values(), field.face_values()) for name, field in fields.items()}
-    body = properties(objective.stated, values, len(space.mesh.cells), len(space.mesh.faces))
-    model = make_model(space, body, case.under, lagged=objective.lagged)
-    model = extend(model, case.under, additions)
-    initial = case.under.start(len(space.mesh.nodes))
+    model = extend(case_model(objective, fields, case), case.under, additions)
+    initial = case.under.start(len(objective.space.mesh.nodes))
     temperature = solve_heat(
         model,
         initial,
@@ -160,6 +157,14 @@ def case_temperatures(
     ).temperature
     body_at = temperature if case.between is None else case.between @ temperature
     return read_as(body_at, case.time, case.under, case.pinned, additions) + case.defect
+
+
+def case_model(objective: Objective, fields: dict[str, AbstractField], case: Case) -> Model:
+    """The heat equation of a body with these fields [SI] under one run's conditions."""
+    space = objective.space
+    values = {name: (field.cell_values(), field.face_values()) for name, field in fields.items()}
+    body = properties(objective.stated, values, len(space.mesh.cells), len(space.mesh.faces))
+    return make_model(space, body, case.under, lagged=objective.lagged)
 
 
 def data_residual(

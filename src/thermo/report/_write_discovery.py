@@ -157,6 +157,7 @@ def _round(one: Round) -> dict[str, Any]:
         "transition": None
         if effect.transition is None
         else dict(zip(("temperature", "width"), effect.transition, strict=True)),
+        "conductance": effect.conductance,
         "p_value": one.p_value,
         "gap_closed": one.closed,
         "rms_before": dict(one.rms_before),
@@ -227,11 +228,12 @@ def _named(effect: Effect) -> str:
         place = f", at ({at}) mm"
     if effect.transition is not None:
         place = ", at {:.4g} K, over {:.2g} K".format(*effect.transition)
+    whole = "" if effect.conductance is None else f", {effect.conductance:.3g} W/K in all"
     known = effect.card.alike and effect.strength > 0
     alike = f" It may as well be {effect.card.alike}." if known else ""
     return (
         f"Missing effect: {_spoken(effect.card.name)}, {effect.strength:.4g}{unit} "
-        f"[{low:.4g}, {high:.4g}]{place}.{alike}"
+        f"[{low:.4g}, {high:.4g}]{place}{whole}.{alike}"
     )
 
 

@@ -235,8 +235,11 @@ def test_the_last_strength_of_a_drift_is_the_rise_at_the_end() -> None:
     assert [type(one) for one in model.surface] == [type(one) for one in bare(lit()).surface]
 
 
-def test_where_there_is_no_air_the_walls_drift() -> None:
-    model = drift(4.0, -2.0).to_model(bare(lit(), replace(STATED, convection=0.0)), lit())
+@pytest.mark.parametrize("stated", [True, False], ids=["none stated", "left out"])
+def test_where_there_is_no_air_the_walls_drift(stated: bool) -> None:
+    still = bare(lit(), replace(STATED, convection=0.0))
+    kept = tuple(one for one in still.surface if stated or not isinstance(one, Convection))
+    model = drift(4.0, -2.0).to_model(replace(still, surface=kept), lit())
     (around,) = (one for one in model.surface if isinstance(one, Radiation))
     assert isinstance(around.surroundings, History)
     for time, rise in [(0.0, 0.0), (END / 2, 4.0), (END, -2.0)]:

@@ -182,8 +182,8 @@ class AmbientDrift(AbstractHeatCandidate):
         time = jnp.linspace(0.0, 1.0, len(self.strength) + 1) * self.duration
         rise = jnp.concatenate([jnp.zeros(1), self.strength])
         films = [one.coefficient for one in model.surface if isinstance(one, Convection)]
-        airless = jnp.all(jnp.stack([jnp.all(one == 0) for one in films]))
-        walls = jnp.where(airless, rise, 0.0)
+        air = sum(jnp.sum(jnp.abs(one)) for one in films)
+        walls = jnp.where(jnp.asarray(air) > 0, 0.0, rise)
 
         def drifting(effect: AbstractSurfaceEffect) -> AbstractSurfaceEffect:
             if isinstance(effect, Convection):
