@@ -29,7 +29,9 @@ matplotlib.use("Agg")
 # come before the first import of the package.
 jaxtyping.install_import_hook("thermo", "runtime_types.check")
 
+# How fast examples are made says how busy a machine is.
 hypothesis.settings.register_profile(
-    "thermo", max_examples=30, deadline=None, derandomize=True, print_blob=True, database=None
-)
+    "thermo", max_examples=30, deadline=None, derandomize=True, print_blob=True, database=None,
+    suppress_health_check=[hypothesis.HealthCheck.too_slow],
+)  # fmt: skip
 hypothesis.settings.load_profile("thermo")
