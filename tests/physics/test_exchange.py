@@ -59,15 +59,18 @@ def test_both_derivatives_agree(order: int, about: bool) -> None:
         return function(space, of, 5.0, at, rise, near if about else None)
 
     point, change = (given, temperature, base), (given, way, turn)
+    # As one program: the small operations of both would take long to compile one by one.
     short, long = (
-        eqx.filter_jvp(lambda *p, f=f: load(f, *p), point, change)
+        eqx.filter_jit(eqx.filter_jvp)(lambda *p, f=f: load(f, *p), point, change)
         for f in (exchange, plain_exchange)
     )
     for mine, theirs in zip(short, long, strict=True):
         scale = float(jnp.abs(theirs).max())
         np.testing.assert_allclose(mine, theirs, rtol=0, atol=1e-12 * scale)
     back = [
-        jax.vjp(lambda at, near, f=f: load(f, given, at, near), temperature, base)[1](cover)
+        eqx.filter_jit(
+            lambda f: jax.vjp(lambda *p: load(f, given, *p), temperature, base)[1](cover)
+        )(f)
         for f in (exchange, plain_exchange)
     ]
     for mine, theirs in zip(*back, strict=True):
@@ -80,6 +83,7 @@ def test_a_batch_of_changes_shares_the_matrix() -> None:
     temperature = jnp.asarray(MAKE.uniform(300, 320, len(space.mesh.nodes)))
     ways = jnp.asarray(MAKE.normal(size=(3, len(temperature))))
 
+    @jax.jit
     def push(way: jax.Array) -> jax.Array:
         def load(at: jax.Array) -> jax.Array:
             return exchange(space, given, 5.0, at, None, None)

@@ -9,7 +9,7 @@ import pytest
 from verdicts import estimate
 
 from thermo.inverse import ScaleEffect
-from thermo.report import inversion_record
+from thermo.report import inversion_record, inversion_table
 
 
 def test_a_scale_is_stated_where_it_is_rough() -> None:
@@ -29,3 +29,15 @@ def test_a_scale_is_stated_where_it_is_rough() -> None:
 def test_a_scale_that_moves_nothing_has_no_share() -> None:
     effect = ScaleEffect(0.02, {"conductivity": 0.0}, {"conductivity": 0.0})
     assert effect.share("conductivity") == 0.0 and effect.total("conductivity") == 0.0
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "ends"), [(1.5, 1.5, ["-", "-"]), (1.4, 1.7, ["1.4", "1.7"])]
+)
+def test_a_field_that_is_the_same_all_over_is_one_number(
+    low: float, high: float, ends: list[str]
+) -> None:
+    field = {"unit": "W/m/K", "median": 1.5, "p05": low, "p95": high}
+    fit = {"rmse": {"lamp": 0.05}, "noise": {"lamp": 0.04}}
+    lines = inversion_table({"fields": {"conductivity": field}, "fit": fit}).splitlines()
+    assert lines[2].split() == ["conductivity", "W/m/K", "1.5", *ends]

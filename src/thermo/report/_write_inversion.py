@@ -138,12 +138,16 @@ def write_inversion(
 
 
 def inversion_table(record: Mapping[str, Any]) -> str:
-    """A short table of the fields and misfits of a fit, for a terminal."""
-    rows = [
-        [name, f["unit"], *(f"{f[key]:.5g}" for key in ("median", "p05", "p95"))]
-        for name, f in record["fields"].items()
-    ]
-    first = table(rows, ["field", "unit", "median", "5 %", "95 %"])
+    """A short table of the fields and misfits of a fit, for a terminal.
+
+    Of a field that is the same all over only its value is shown.
+    """
+    rows = []
+    for name, f in record["fields"].items():
+        keys = ("p05", "p95") if f["p95"] > f["p05"] * (1 + 1e-9) else ()
+        ends = [f"{f[key]:.5g}" for key in keys] or [None, None]
+        rows.append([name, f["unit"], f"{f['median']:.5g}", *ends])
+    first = table(rows, ["field", "unit", "median", "5 % of the surface", "95 %"])
     fit = record["fit"]
     fits = [
         [name, f"{value:.4g}", f"{fit['noise'][name]:.2g}"] for name, value in fit["rmse"].items()
