@@ -22,6 +22,7 @@ from thermo.discover import (
     Setting,
     Verdict,
     _bench,
+    _discover,
     _path,
     _search,
     discover,
@@ -258,3 +259,10 @@ def test_two_candidates_of_one_name_are_refused(scene: Scene) -> None:
 
     with pytest.raises(InputError, match="heater_power"):
         discover(scene, candidates=twice, meshing=MESHING, stepping=STEPPING)
+
+
+def test_cells_that_are_wrong_by_more_than_noise_are_told_of() -> None:
+    noise = {"lamp": 0.05, "cooling": 0.05}
+    (said,) = _discover.rough({"lamp": 0.064, "cooling": 0.05}, noise)
+    assert said.startswith("On lamp ") and "0.064 K, more than the noise, 0.05 K" in said
+    assert "mesh.cells_per_depth" in said

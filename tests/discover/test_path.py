@@ -174,16 +174,17 @@ def test_an_alarm_is_slight_where_cells_could_raise_it(
 ) -> None:
     # The threshold is 3.4.
     assert _path._slight(standing(60.0, 2, smooth=smooth), table_of(z)) is slight
+    # A score to the side on which its strength cannot be raises none.
+    other = beside(table_of(z), table_of(-50.0, Void.card))
+    assert _path._slight(standing(60.0, 2, smooth=smooth), other) is slight
 
 
 @pytest.mark.parametrize("z", [3.0, 5.0])
 def test_what_only_cells_raise_is_told(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, z: float
 ) -> None:
-    usual, smaller = (
-        Bench(box_task(tmp_path), Ready(MESH, STATED, {}, {}, {}, {}), objective(), MESH)
-        for _ in range(2)
-    )
+    usual = Bench(box_task(tmp_path), Ready(MESH, STATED, {}, {}, {}, {}), objective(), MESH)
+    smaller = replace(usual)
     made = standing(60.0, 2)
     began = Standing(usual, {}, made.point, (), made.ended, made.allowed)
     measured: list[int] = []
@@ -199,12 +200,16 @@ def test_what_only_cells_raise_is_told(
     remarks: list[str] = []
     # A score to the side on which its strength cannot be raises no alarm, however large.
     before = beside(table_of(4.2), table_of(-9.0, Void.card))
-    last, anew = _path.checked(began, (), before, silent(), remarks)
+    last, anew = _path.checked(began, began, 0.04, (), before, silent(), remarks)
     assert measured == [1] and last.bench is smaller and anew.scores[0].z == z
     assert (remarks == []) is (z > 3.4)
     assert all("4.2 passed the threshold" in one for one in remarks)
+    there = replace(began, bench=replace(usual, ready=replace(usual.ready, grids={})))
+    same = _path.checked(began, there, 0.04, (), before, silent(), [])
+    assert same == (began, before), "on another mesh than where it began"
     monkeypatch.setattr(_path, "finest", lambda bench: bench)
-    assert _path.checked(began, (), before, silent(), []) == (began, before), "no smaller cells"
+    same = _path.checked(began, began, 0.04, (), before, silent(), [])
+    assert same == (began, before), "no smaller cells"
 
 
 def test_the_thinnest_place_at_work_is_that_of_a_void_along_its_shortest_axis() -> None:

@@ -15,11 +15,16 @@ from standings import standing
 from verdicts import one_round
 
 from thermo.discover import Calibration, HeldOut, _told_apart
+from thermo.discover._bench import Bench
 from thermo.discover._pace import silent
 from thermo.discover._path import SearchPath
 from thermo.discover._scores import ScoreTable
 from thermo.discover._search import Refit, Standing
 from thermo.discover._told_apart import excluded, refuted, told_apart
+from thermo.inverse import Ready
+from thermo.mesh import box_mesh
+
+from .lit_objective import partly
 
 NAMES = ("hidden_source", "sensor_lag", "void")
 
@@ -30,7 +35,11 @@ def proof(*left: float) -> dict[str, HeldOut]:
 
 
 def apart(
-    monkeypatch: pytest.MonkeyPatch, left: Mapping[str, float], word: str = "inseparable"
+    monkeypatch: pytest.MonkeyPatch,
+    left: Mapping[str, float],
+    word: str = "inseparable",
+    *,
+    cells: bool = False,
 ) -> tuple[SearchPath, Mapping[str, HeldOut], list[str]]:
     """A path whose last effect is the first of some that explain the fitted runs alike."""
     there = {name: standing(60.0, 2, active=((name, 0),)) for name in left}
@@ -53,6 +62,7 @@ def apart(
         object.__setattr__(one, "point", name)
     fakes: dict[str, Any] = {
         "held_out": predicted,
+        "smaller_cells": lambda bench, _: partly(Bench) if cells else None,
         "with_all": lambda refit, _: refit.standing,
         "undoubted": lambda one, _: one,
         "with_doubt": lambda one, _: one,
@@ -139,6 +149,50 @@ def test_a_run_speaks_against_what_surely_leaves_too_much(
         if speaks:
             assert "does not hold on cooling: 0.1 K become" in path.remarks[-1]
             assert ("% closed" in path.remarks[-1]) == (closed is not None)
+
+
+@pytest.mark.parametrize(
+    ("small", "spared"),
+    [
+        (0.07, False),  # cells are not what is left
+        (0.066, False),
+        (0.062, True),  # 0.0539 K if as much is left again as smaller cells took off
+        (0.051, True),
+        (0.08, False),  # it grew
+    ],
+)
+def test_what_cells_may_leave_on_a_run_does_not_speak_against_an_effect(
+    monkeypatch: pytest.MonkeyPatch, small: float, spared: bool
+) -> None:
+    left = iter([0.07, small])
+    monkeypatch.setattr(
+        f"{__name__}.proof", lambda *_: {"cooling": HeldOut(0.1, next(left), 0.05, 0.5, (0.4, 0.6))}
+    )
+    path, found, told = apart(monkeypatch, {"hidden_source": 1.0}, "named", cells=True)
+    assert path.word == ("named" if spared else "none_of_mine") and len(told) == 2
+    assert found["cooling"].rms_after == small, "the proof is that of the smaller cells"
+    _, said = path.remarks
+    if spared:
+        assert "2 times as short as a fit's leave 0.07 K" in said and "3 times" in said
+    else:
+        assert "does not hold on cooling" in said
+
+
+@pytest.mark.parametrize(
+    ("same", "cells", "there"), [(True, 3, True), (True, 2, False), (False, 3, False)]
+)
+def test_smaller_cells_are_those_of_a_third_where_there_are_such(
+    monkeypatch: pytest.MonkeyPatch, same: bool, cells: int, there: bool
+) -> None:
+    def bench(ready: Ready, count: int) -> Bench:
+        return partly(Bench, ready=ready, finer=box_mesh((0.02, 0.02, 0.02), (count, 2, 2)))
+
+    first, other = partly(Ready), partly(Ready)
+    here, smaller = bench(first, 2), bench(first, cells)
+    monkeypatch.setattr(_told_apart, "finest", lambda _: smaller)
+    found = _told_apart.smaller_cells(here, here if same else bench(other, 2))
+    # After a place was resolved its cells are small already.
+    assert (found is smaller) is there
 
 
 def test_one_that_holds_on_another_run_stays_where_its_rival_is_refuted() -> None:

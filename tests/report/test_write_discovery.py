@@ -58,6 +58,8 @@ def test_the_contract_of_a_round() -> None:
     assert one["rms_before"]["lamp"] == 0.5 and one["rms_after"]["lamp"] == 0.05
     (other,) = discovery_record(verdict("inseparable"))["rounds"]
     assert other["named"] == [] and other["set"] == ["hidden_source", "sensor_lag"]
+    (closest,) = discovery_record(verdict("none_of_mine"))["rounds"]
+    assert closest["named"] == [], "what does not explain the gap is not named"
     record = discovery_record(verdict("named"))
     assert record["could_have_missed"]["void"] == {
         "strength": None, "unit": "1", "found_in": {"0.5": 0.9, "0.8": None, "0.95": None},

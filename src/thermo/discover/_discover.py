@@ -116,6 +116,8 @@ def _answer(path: SearchPath, proof: Mapping[str, HeldOut], left: Apart, seconds
     begun = path.begun
     last = path.standing if path.word in ("named", "inseparable") else begun
     named = {one.effect.card.name for one in path.rounds}
+    cells = _sizes(begun, left)
+    noise = {run.name: estimate_noise(run.recording).fluctuation() for run in begun.bench.task.runs}
     return Verdict(
         verdict=path.word,
         rounds=path.rounds,
@@ -123,10 +125,8 @@ def _answer(path: SearchPath, proof: Mapping[str, HeldOut], left: Apart, seconds
         threshold=path.table.threshold,
         held_out=proof,
         missed={name: one for name, one in powers(path.table).items() if name not in named},
-        cells=_sizes(begun, left),
-        noise={
-            run.name: estimate_noise(run.recording).fluctuation() for run in begun.bench.task.runs
-        },
+        cells=cells,
+        noise=noise,
         parameters=_parameters(begun, path.standing),
         alias=aliases(path.table),
         calibration=path.calibrated,
@@ -136,8 +136,19 @@ def _answer(path: SearchPath, proof: Mapping[str, HeldOut], left: Apart, seconds
         stated=estimate_of(begun, seconds),
         extended=estimate_of(last, seconds),
         additions=at_work(last),
-        remarks=path.remarks + ([] if proof else [_UNPROVED]),
+        remarks=path.remarks + rough(cells, noise) + ([] if proof else [_UNPROVED]),
     )
+
+
+def rough(cells: Mapping[str, float], noise: Mapping[str, float]) -> list[str]:
+    """What to say of runs on which cells and steps make more wrong than noise does [K]."""
+    return [
+        f"On {run} a fit's usual cells and steps are wrong by {wrong:.2g} K, more than the noise, "
+        f"{noise[run]:.2g} K. That was measured on smaller ones and taken off, but for what these "
+        "are wrong by themselves. A larger mesh.cells_per_depth leaves less."
+        for run, wrong in cells.items()
+        if wrong > noise[run]
+    ]
 
 
 def _misfits(standing: Standing) -> Mapping[str, Misfit]:

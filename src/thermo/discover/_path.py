@@ -91,7 +91,7 @@ class SearchPath:
 
 def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace) -> SearchPath:
     """Put effects to work one after the other until nothing is missing, or nothing explains it."""
-    standing, rounds, remarks, quiet = begun, [], [], False
+    standing, rounds, remarks, quiet, tried = begun, [], [], False, False
     tables: list[ScoreTable] = []
     rivals: dict[Active, Sequence[Refit]] = {}
     settled = doubted = begun
@@ -102,9 +102,10 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace) -> SearchPa
             break
         pace.step(f"scoring all candidates, round {number + 1} of {_ROUNDS} at the most")
         table = scored(standing, laws, alpha=share * _BY_SCORE)
-        if not number and _slight(standing, table):
-            begun, table = checked(standing, laws, table, pace, remarks)
-            standing = begun
+        if not tried and _slight(standing, table):
+            tried, alpha = True, share * _BY_SCORE
+            standing, table = checked(standing, begun, alpha, laws, table, pace, remarks)
+            begun = begun if number else standing
         tables.append(table)
         calm = by_shapes(standing) > share * _BY_SHAPES
         rest = _at_rest(standing, table, calm)
@@ -120,10 +121,8 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace) -> SearchPa
         if one is not None and one.effect.card.fault:
             remarks.append(_fault(one.effect))
             break
-        if rounds and (one is None or one.closed < _WORTH):
-            remarks.append(_rest(one))
-            break
-        if one is None:
+        if one is None or (rounds and one.closed < _WORTH):
+            remarks += [_rest(one)] if rounds else []
             break
         rounds.append(one)
         before, standing = standing, with_all(made[0], standing)
@@ -152,19 +151,27 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace) -> SearchPa
 
 
 def checked(
-    begun: Standing, laws: tuple[Candidate, ...], table: ScoreTable, pace: Pace, remarks: list[str]
+    standing: Standing,
+    begun: Standing,
+    alpha: float,
+    laws: tuple[Candidate, ...],
+    table: ScoreTable,
+    pace: Pace,
+    remarks: list[str],
 ) -> tuple[Standing, ScoreTable]:
     """What cells make wrong measured against smaller ones, and scores [1] with that.
 
     Near a lamp that has just been lit heat has not gone as deep as a cell is wide, and what is left
-    of the error there may look like a slow lamp. Where there can be none, all stays as it is.
+    of the error there may look like a slow lamp; at an inner edge that is lit errors fall slowly.
+    Where there can be none, or a search is not on the mesh any more on which it had `begun`, all
+    stays as it is. `alpha`: chance of a false alarm [1].
     """
     pace.step("checking a slight alarm on smaller cells")
-    bench = finest(begun.bench)
-    if bench is begun.bench:
-        return begun, table
-    standing = fitted(replace(begun, bench=bench), times=1)
-    anew = scored(standing, laws, alpha=_BY_SCORE)
+    bench = finest(standing.bench)
+    if bench is standing.bench or bench.ready is not begun.bench.ready:
+        return standing, table
+    standing = fitted(replace(standing, bench=bench), times=1)
+    anew = scored(standing, laws, alpha=alpha)
     raised = [abs(one.z) for one in table.scores if credible(one, table.threshold)]
     if raised and not _alarm(anew):
         remarks.append(_CELLS.format(max(raised), FINER, FINEST))
@@ -172,9 +179,10 @@ def checked(
 
 
 def _slight(standing: Standing, table: ScoreTable) -> bool:
-    """Whether there is an alarm that no large score raises."""
-    alarm = _alarm(table) or by_shapes(standing) <= _BY_SHAPES
-    return alarm and all(abs(one.z) < _SLIGHT * table.threshold for one in table.scores)
+    """Whether there is an alarm that no large score raises, of those that could be an effect."""
+    raised = [abs(one.z) for one in table.scores if credible(one, table.threshold)]
+    alarm = bool(raised) or by_shapes(standing) <= _BY_SHAPES
+    return alarm and all(one < _SLIGHT * table.threshold for one in raised)
 
 
 def calibrated(begun: Standing, table: ScoreTable) -> Calibration:

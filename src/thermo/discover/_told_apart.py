@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from thermo.discover._bench import FINEST, Bench, finest
 from thermo.discover._held_out import held_out
 from thermo.discover._pace import Pace
 from thermo.discover._path import SearchPath, verdict_of
@@ -15,6 +16,7 @@ from thermo.discover._place_doubt import ELSEWHERE, undoubted, with_doubt
 from thermo.discover._rounds import effect_of, rms, with_joint_effects
 from thermo.discover._search import Standing, with_all
 from thermo.discover._verdict import HeldOut
+from thermo.inverse import FINER
 
 Proof = Mapping[str, HeldOut]
 """By run that was not fitted."""
@@ -38,14 +40,46 @@ def told_apart(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
     Of the last effect's rivals that explain the fitted runs as well each is predicted there too.
     One that leaves far more than another, or is refuted where another is not, is taken out of the
     set, and where that is the effect at work, the one that leaves least takes its place. Where all
-    are refuted, nothing is named.
+    are refuted, on smaller cells as well, nothing is named.
     """
     path, proof = _without_excluded(path, pace)
-    against = [name for name, one in proof.items() if refuted(one)]
-    if path.word not in ("named", "inseparable") or not against:
+    if path.word not in ("named", "inseparable") or not any(map(refuted, proof.values())):
         return path, proof
-    remarks = [*path.remarks, *(_refuted(name, proof[name]) for name in against)]
+    remarks, large = list(path.remarks), proof
+    bench = smaller_cells(path.standing.bench, path.begun.bench)
+    if bench is not None:
+        pace.step("predicting held-out runs on smaller cells")
+        proof = held_out(bench, path.begun.point, path.standing.point)
+    against = [name for name, one in proof.items() if refuted(less_cells(large[name], one))]
+    remarks += [_cells(name, large[name], one) for name, one in proof.items()
+                if refuted(large[name]) and name not in against]  # fmt: skip
+    if not against:
+        return replace(path, remarks=remarks), proof
+    remarks += [_refuted(name, proof[name]) for name in against]
     return replace(path, word="none_of_mine", remarks=remarks), proof
+
+
+def smaller_cells(bench: Bench, begun: Bench) -> Bench | None:
+    """A bench with smaller cells to predict held-out runs on; None where there are none.
+
+    Where a search did not stay on the mesh on which it had `begun`, cells are small already.
+    """
+    if bench.ready is not begun.ready:
+        return None
+    smaller = finest(bench)
+    return smaller if len(smaller.finer.nodes) > len(bench.finer.nodes) else None
+
+
+def less_cells(large: HeldOut, small: HeldOut) -> HeldOut:
+    """What is left on small cells [K], without what they may still be wrong by.
+
+    As much as they took off may be left: at an inner edge, where errors fall with the cells' edges
+    to the power of 4/3 or less, cells of a third leave half of what those of a half did, or more.
+
+    Source: Strang and Fix, An Analysis of the Finite Element Method (1973), chapter 8.
+    """
+    fell = max(large.rms_after**2 - small.rms_after**2, 0.0)
+    return replace(small, rms_after=float(np.sqrt(max(small.rms_after**2 - fell, 0.0))))
 
 
 def refuted(one: HeldOut) -> bool:
@@ -111,6 +145,14 @@ def _with(path: SearchPath, standing: Standing, best: str, kept: list[str]) -> S
         doubted = with_doubt(standing, path.begun.allowed)
         rounds = with_joint_effects([*before, fresh], standing, doubted)
     return replace(path, word=verdict_of(rounds), rounds=rounds, standing=standing)
+
+
+def _cells(run: str, large: HeldOut, small: HeldOut) -> str:
+    """What to say of a run on which cells may be all that is left."""
+    return (
+        f"On {run} cells {FINER:g} times as short as a fit's leave {large.rms_after:.3g} K, and "
+        f"cells {FINEST:g} times as short {small.rms_after:.3g} K: the rest may come from them."
+    )
 
 
 def _refuted(run: str, one: HeldOut) -> str:

@@ -40,7 +40,7 @@ def discovery_record(found: Verdict) -> dict[str, Any]:
         "verdict": found.verdict,
         "sentences": verdict_sentences(found),
         "effects": found.effects(),
-        "rounds": [_round(one) for one in found.rounds],
+        "rounds": [_round(one, bool(found.effects())) for one in found.rounds],
         "candidates": [_candidacy(one) for one in found.candidates],
         "threshold": found.threshold,
         "alias": {name: dict(row) for name, row in found.alias.items()},
@@ -141,10 +141,10 @@ def _calibration(found: Calibration) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _round(one: Round) -> dict[str, Any]:
+def _round(one: Round, explains: bool) -> dict[str, Any]:
     effect = one.effect
     return {
-        "named": [effect.card.name] if len(one.together) == 1 else [],
+        "named": [effect.card.name] if explains and len(one.together) == 1 else [],
         "set": one.together,
         "best": effect.card.name,
         "strength": effect.strength,
