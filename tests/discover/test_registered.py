@@ -73,3 +73,5 @@ def test_one_that_nobody_registered_is_named(
     with pytest.raises(InputError, match="there is no") as caught:
         only(names)(SETTING)
     assert caught.value.value == told and "heater_power" in str(caught.value.limit)
+    with pytest.raises(InputError, match="did you mean heater_lag?"):
+        only(["heater_lags"])(SETTING)

@@ -8,7 +8,7 @@ from typing import Final
 
 from thermo.discover._candidate import Candidate
 from thermo.discover._library import Setting, library
-from thermo.errors import InputError
+from thermo.errors import InputError, meant
 
 GROUP: Final = "thermo.candidates"
 """Entry points that name a function from a `Setting` to candidates."""
@@ -53,7 +53,8 @@ def only(names: Collection[str]) -> Callable[[Setting], tuple[Candidate, ...]]:
                 where="candidates",
                 value=", ".join(strange) or "none",
                 limit=", ".join(known),
-                remedy="give names of these, or null for all",
+                remedy=f"{meant(strange[0], known) if strange else ''}give some of these, or null "
+                "for all",
             )
         return tuple(one for one in every if one.card.name in names)
 
