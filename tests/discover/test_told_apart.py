@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lit_box import MESH, STATED
 from scipy.stats import chi2
 from standings import standing
 from verdicts import one_round
@@ -20,11 +22,11 @@ from thermo.discover._pace import silent
 from thermo.discover._path import SearchPath
 from thermo.discover._scores import ScoreTable
 from thermo.discover._search import Refit, Standing
-from thermo.discover._told_apart import excluded, refuted, told_apart
+from thermo.discover._told_apart import excluded, half_and_third, refuted, told_apart
 from thermo.inverse import Ready
 from thermo.mesh import box_mesh
 
-from .lit_objective import partly
+from .lit_objective import box_task, objective
 
 NAMES = ("hidden_source", "sensor_lag", "void")
 
@@ -62,7 +64,7 @@ def apart(
         object.__setattr__(one, "point", name)
     fakes: dict[str, Any] = {
         "held_out": predicted,
-        "smaller_cells": lambda bench, _: partly(Bench) if cells else None,
+        "half_and_third": lambda *_: (None, None) if cells else None,
         "with_all": lambda refit, _: refit.standing,
         "undoubted": lambda one, _: one,
         "with_doubt": lambda one, _: one,
@@ -164,12 +166,12 @@ def test_a_run_speaks_against_what_surely_leaves_too_much(
 def test_what_cells_may_leave_on_a_run_does_not_speak_against_an_effect(
     monkeypatch: pytest.MonkeyPatch, small: float, spared: bool
 ) -> None:
-    left = iter([0.07, small])
+    left = iter([0.07, 0.07, small])
     monkeypatch.setattr(
         f"{__name__}.proof", lambda *_: {"cooling": HeldOut(0.1, next(left), 0.05, 0.5, (0.4, 0.6))}
     )
     path, found, told = apart(monkeypatch, {"hidden_source": 1.0}, "named", cells=True)
-    assert path.word == ("named" if spared else "none_of_mine") and len(told) == 2
+    assert path.word == ("named" if spared else "none_of_mine") and len(told) == 3
     assert found["cooling"].rms_after == small, "the proof is that of the smaller cells"
     _, said = path.remarks
     if spared:
@@ -178,21 +180,23 @@ def test_what_cells_may_leave_on_a_run_does_not_speak_against_an_effect(
         assert "does not hold on cooling" in said
 
 
-@pytest.mark.parametrize(
-    ("same", "cells", "there"), [(True, 3, True), (True, 2, False), (False, 3, False)]
-)
-def test_smaller_cells_are_those_of_a_third_where_there_are_such(
-    monkeypatch: pytest.MonkeyPatch, same: bool, cells: int, there: bool
+@pytest.mark.parametrize("same", [True, False])
+def test_cells_of_half_and_a_third_predict_where_a_search_stayed_on_its_mesh(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, same: bool
 ) -> None:
-    def bench(ready: Ready, count: int) -> Bench:
-        return partly(Bench, ready=ready, finer=box_mesh((0.02, 0.02, 0.02), (count, 2, 2)))
-
-    first, other = partly(Ready), partly(Ready)
-    here, smaller = bench(first, 2), bench(first, cells)
-    monkeypatch.setattr(_told_apart, "finest", lambda _: smaller)
-    found = _told_apart.smaller_cells(here, here if same else bench(other, 2))
-    # After a place was resolved its cells are small already.
-    assert (found is smaller) is there
+    first, other = (Ready(MESH, STATED, {}, {}, {}, {}) for _ in range(2))
+    half, third = (box_mesh((0.02, 0.02, 0.02), (count, 2, 2)) for count in (2, 3))
+    # It may have gone on to cells of a third already.
+    here = Bench(box_task(tmp_path), first, objective(), third)
+    monkeypatch.setattr(_told_apart, "finest", lambda bench: replace(bench, finer=third))
+    monkeypatch.setattr(_told_apart, "mesh_for", lambda task, stated, by: half)
+    found = half_and_third(here, replace(here, ready=first if same else other))
+    if same:
+        assert found is not None and [one.finer for one in found] == [half, third]
+    else:
+        assert found is None, "about a place cells are small already"
+    monkeypatch.setattr(_told_apart, "finest", lambda bench: bench)
+    assert half_and_third(here, here) is None, "the surface has no smaller cells"
 
 
 def test_one_that_holds_on_another_run_stays_where_its_rival_is_refuted() -> None:

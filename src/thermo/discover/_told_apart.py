@@ -16,7 +16,7 @@ from thermo.discover._place_doubt import ELSEWHERE, undoubted, with_doubt
 from thermo.discover._rounds import effect_of, rms, with_joint_effects
 from thermo.discover._search import Standing, with_all
 from thermo.discover._verdict import HeldOut
-from thermo.inverse import FINER
+from thermo.inverse import FINER, mesh_for
 
 Proof = Mapping[str, HeldOut]
 """By run that was not fitted."""
@@ -46,10 +46,11 @@ def told_apart(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
     if path.word not in ("named", "inseparable") or not any(map(refuted, proof.values())):
         return path, proof
     remarks, large = list(path.remarks), proof
-    bench = smaller_cells(path.standing.bench, path.begun.bench)
-    if bench is not None:
-        pace.step("predicting held-out runs on smaller cells")
-        proof = held_out(bench, path.begun.point, path.standing.point)
+    benches = half_and_third(path.standing.bench, path.begun.bench)
+    if benches is not None:
+        pace.step("predicting held-out runs on cells of two sizes")
+        points = path.begun.point, path.standing.point
+        large, proof = (held_out(bench, *points) for bench in benches)
     against = [name for name, one in proof.items() if refuted(less_cells(large[name], one))]
     remarks += [_cells(name, large[name], one) for name, one in proof.items()
                 if refuted(large[name]) and name not in against]  # fmt: skip
@@ -59,15 +60,16 @@ def told_apart(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
     return replace(path, word="none_of_mine", remarks=remarks), proof
 
 
-def smaller_cells(bench: Bench, begun: Bench) -> Bench | None:
-    """A bench with smaller cells to predict held-out runs on; None where there are none.
+def half_and_third(bench: Bench, begun: Bench) -> tuple[Bench, Bench] | None:
+    """Benches that predict on cells half and a third as long as a fit's; None where none do.
 
     Where a search did not stay on the mesh on which it had `begun`, cells are small already.
     """
-    if bench.ready is not begun.ready:
+    third = finest(bench)
+    if bench.ready is not begun.ready or third is bench:
         return None
-    smaller = finest(bench)
-    return smaller if len(smaller.finer.nodes) > len(bench.finer.nodes) else None
+    half = mesh_for(bench.task, bench.ready.stated, FINER)
+    return replace(bench, finer=half), third
 
 
 def less_cells(large: HeldOut, small: HeldOut) -> HeldOut:
