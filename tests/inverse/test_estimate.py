@@ -91,6 +91,7 @@ def test_a_damaged_estimate_is_refused(kind: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="this estimate cannot be read") as caught:
         load_estimate(file)
     assert caught.value.where == str(file)
+    assert (caught.value.value == "no such file") is (kind == "missing")
     assert "thermofield-estimate/1" in caught.value.limit and "invert" in caught.value.remedy
 
 

@@ -194,10 +194,11 @@ def _law(arrays: Mapping[str, np.ndarray], name: str) -> TabulatedLaw | None:
 
 
 def _damaged(path: Path, fault: Exception) -> InputError:
+    missing = isinstance(fault, FileNotFoundError)
     return InputError(
         "this estimate cannot be read",
         where=str(path),
-        value=f"{type(fault).__name__}: {fault}",
+        value="no such file" if missing else f"{type(fault).__name__}: {fault}",
         limit=f"a file of format {FORMAT} that `thermo invert` or `thermo discover` wrote",
         remedy="give the `out` folder of a finished `thermo invert` or `thermo discover`",
     )
