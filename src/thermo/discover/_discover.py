@@ -106,8 +106,10 @@ def discover(
     memory = memory_of(checkpoint, every)
     bench, pace = replace(bench, memory=memory), Pace(say, memory.spared)
     begun, left = _begin(bench, every, pace)
-    path = search(begun, tuple(one for one in every if one.card.law), pace)
+    cells = rough(_sizes(begun, left), _noise(begun))
+    path = search(begun, tuple(one for one in every if one.card.law), pace, rough=bool(cells))
     path, proof = told_apart(path, pace)
+    path = replace(path, remarks=path.remarks + cells)
     return _answer(path, proof, left, time.monotonic() - started)
 
 
@@ -116,8 +118,6 @@ def _answer(path: SearchPath, proof: Mapping[str, HeldOut], left: Apart, seconds
     begun = path.begun
     last = path.standing if path.word in ("named", "inseparable") else begun
     named = {one.effect.card.name for one in path.rounds}
-    cells = _sizes(begun, left)
-    noise = {run.name: estimate_noise(run.recording).fluctuation() for run in begun.bench.task.runs}
     return Verdict(
         verdict=path.word,
         rounds=path.rounds,
@@ -125,8 +125,8 @@ def _answer(path: SearchPath, proof: Mapping[str, HeldOut], left: Apart, seconds
         threshold=path.table.threshold,
         held_out=proof,
         missed={name: one for name, one in powers(path.table).items() if name not in named},
-        cells=cells,
-        noise=noise,
+        cells=_sizes(begun, left),
+        noise=_noise(begun),
         parameters=_parameters(begun, path.standing),
         alias=aliases(path.table),
         calibration=path.calibrated,
@@ -136,8 +136,13 @@ def _answer(path: SearchPath, proof: Mapping[str, HeldOut], left: Apart, seconds
         stated=estimate_of(begun, seconds),
         extended=estimate_of(last, seconds),
         additions=at_work(last),
-        remarks=path.remarks + rough(cells, noise) + ([] if proof else [_UNPROVED]),
+        remarks=path.remarks + ([] if proof else [_UNPROVED]),
     )
+
+
+def _noise(begun: Standing) -> dict[str, float]:
+    """Of a reading, by run [K]."""
+    return {run.name: estimate_noise(run.recording).fluctuation() for run in begun.bench.task.runs}
 
 
 def rough(cells: Mapping[str, float], noise: Mapping[str, float]) -> list[str]:

@@ -89,8 +89,13 @@ class SearchPath:
     rivals: Sequence[Refit]
 
 
-def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace) -> SearchPath:
-    """Put effects to work one after the other until nothing is missing, or nothing explains it."""
+def search(
+    begun: Standing, laws: tuple[Candidate, ...], pace: Pace, *, rough: bool = False
+) -> SearchPath:
+    """Put effects to work one after the other until nothing is missing, or nothing explains it.
+
+    `rough`: whether cells make more wrong than noise does, so that any alarm may come from them.
+    """
     standing, rounds, remarks, quiet, tried = begun, [], [], False, False
     tables: list[ScoreTable] = []
     rivals: dict[Active, Sequence[Refit]] = {}
@@ -102,7 +107,7 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace) -> SearchPa
             break
         pace.step(f"scoring all candidates, round {number + 1} of {_ROUNDS} at the most")
         table = scored(standing, laws, alpha=share * _BY_SCORE)
-        if not tried and _slight(standing, table):
+        if not tried and _slight(standing, table, rough):
             tried, alpha = True, share * _BY_SCORE
             standing, table = checked(standing, begun, alpha, laws, table, pace, remarks)
             begun = begun if number else standing
@@ -114,15 +119,10 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace) -> SearchPa
             break
         made = put_first(refits(standing, table, laws, pace), table.threshold**2)
         one = make_round(standing, made, table) if made else None
-        if calm and one is not None and one.effect.chance > _ABSENT:
-            remarks.append(_nothing(one))
-            quiet = not rounds
-            break
-        if one is not None and one.effect.card.fault:
-            remarks.append(_fault(one.effect))
-            break
-        if one is None or (rounds and one.closed < _WORTH):
-            remarks += [_rest(one)] if rounds else []
+        stop = _stopped(one, rounds, calm)
+        if one is None or stop is not None:
+            quiet = not rounds and _absent(one, calm)
+            remarks += stop or []
             break
         rounds.append(one)
         before, standing = standing, with_all(made[0], standing)
@@ -178,11 +178,14 @@ def checked(
     return standing, anew
 
 
-def _slight(standing: Standing, table: ScoreTable) -> bool:
-    """Whether there is an alarm that no large score raises, of those that could be an effect."""
+def _slight(standing: Standing, table: ScoreTable, rough: bool) -> bool:
+    """Whether there is an alarm that no large score raises, of those that could be an effect.
+
+    Where cells are `rough` any alarm may be theirs.
+    """
     raised = [abs(one.z) for one in table.scores if credible(one, table.threshold)]
     alarm = bool(raised) or by_shapes(standing) <= _BY_SHAPES
-    return alarm and all(one < _SLIGHT * table.threshold for one in raised)
+    return alarm and (rough or all(one < _SLIGHT * table.threshold for one in raised))
 
 
 def calibrated(begun: Standing, table: ScoreTable) -> Calibration:
@@ -286,6 +289,22 @@ def _at_rest(standing: Standing, table: ScoreTable, calm: bool) -> list[str] | N
     if standing.active and _out_of_reach(standing, table):
         return [_rest(None)]
     return None
+
+
+def _absent(one: Round | None, calm: bool) -> bool:
+    """Whether all that is left is an effect that may as well be nothing."""
+    return calm and one is not None and one.effect.chance > _ABSENT
+
+
+def _stopped(one: Round | None, rounds: list[Round], calm: bool) -> list[str] | None:
+    """What there is to say where a round adds nothing to those before; None where it does."""
+    if one is None:
+        return [_rest(one)] if rounds else []
+    if _absent(one, calm):
+        return [_nothing(one)]
+    if one.effect.card.fault:
+        return [_fault(one.effect)]
+    return [_rest(one)] if rounds and one.closed < _WORTH else None
 
 
 def put_first(made: list[Refit], most: float) -> list[Refit]:
