@@ -45,14 +45,15 @@ def searched(
     *,
     place: bool = False,
     slight: bool = False,
+    late: bool = False,
     told: Sequence[str] = (),
     doubted: list[Standing] | None = None,
     scored: list[Standing] | None = None,
 ) -> SearchPath:
     """A search whose standings leave so much, with so many alarms by scores.
 
-    Where the first one is `slight`, it is checked on the second of the standings. Rivals are `told`
-    to take places; what is `doubted` or `scored` is told as well.
+    Where the first one is `slight`, or one that comes `late`, it is checked on the next of the
+    standings. Rivals are `told` to take places; what is `doubted` or `scored` is told as well.
     """
     doubts = [] if doubted is None else doubted
     scores = [] if scored is None else scored
@@ -63,7 +64,7 @@ def searched(
     fakes: dict[str, Any] = {
         "scored": lambda made, *_, **__: scores.append(made) or table,
         "_alarm": lambda _: next(raised),
-        "_slight": lambda *_: slight,
+        "_slight": lambda made, _, rough: rough and late is not (made is standings[0]),
         "checked": lambda *_: (next(order), table),
         "refits": lambda *_: [None],
         "put_first": lambda made, _: made,
@@ -85,7 +86,7 @@ def searched(
     }
     for name, fake in fakes.items():
         monkeypatch.setattr(_path, name, fake)
-    return search(standings[0], (), silent())
+    return search(standings[0], (), silent(), rough=slight)
 
 
 def test_an_effect_that_may_be_nothing_is_not_named_where_nothing_else_is_left(
@@ -163,6 +164,14 @@ def test_a_slight_alarm_is_checked_before_anything_is_refitted(
     rounds = [found(0.1, 0.5, 0.9)]
     path = searched(monkeypatch, [1.5, 1.4, 1.0], rounds, alarms=1, slight=True)
     assert path.word == "named" and path.begun.gap()[0] == pytest.approx(1.4)
+
+
+def test_a_later_alarm_is_checked_beside_what_was_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    left, made = [5000.0, 1.5, 1.0], [found(0.1, 0.5, 0.99)]
+    path = searched(monkeypatch, left, made, alarms=1, slight=True, late=True)
+    assert path.word == "named" and len(path.rounds) == 1
+    assert path.begun.gap()[0] == pytest.approx(5000.0), "where nothing was at work"
+    assert path.standing.gap()[0] == pytest.approx(1.0), "on the smaller cells"
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -71,7 +71,9 @@ def discover(settings: Mapping[str, Any]) -> None:
     print(f"{discovery_table(record)}\n\n{told}\n\n{files}")
 
 
-def _candidates(settings: Mapping[str, Any], scene: Scene) -> Any:
+def _candidates(
+    settings: Mapping[str, Any], scene: Scene
+) -> Callable[[discovery.Setting], tuple[discovery.Candidate, ...]]:
     """What makes the candidates that are looked for, their names known before there is a mesh."""
     wanted = names(settings["candidates"], "candidates")
     if wanted is None:

@@ -89,9 +89,7 @@ class SearchPath:
     rivals: Sequence[Refit]
 
 
-def search(
-    begun: Standing, laws: tuple[Candidate, ...], pace: Pace, *, rough: bool = False
-) -> SearchPath:
+def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace, *, rough: bool) -> SearchPath:
     """Put effects to work one after the other until nothing is missing, or nothing explains it.
 
     `rough`: whether cells make more wrong than noise does, so that any alarm may come from them.

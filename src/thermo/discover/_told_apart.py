@@ -65,8 +65,7 @@ def half_and_third(bench: Bench, begun: Bench) -> tuple[Bench, Bench] | None:
 
     Where a search did not stay on the mesh on which it had `begun`, cells are small already.
     """
-    third = finest(bench)
-    if bench.ready is not begun.ready or third is bench:
+    if bench.ready is not begun.ready or (third := finest(bench)) is bench:
         return None
     half = mesh_for(bench.task, bench.ready.stated, FINER)
     return replace(bench, finer=half), third
