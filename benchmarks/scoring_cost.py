@@ -24,6 +24,7 @@ from thermo.discover._discover import FRAMES, NODES, _begin
 from thermo.discover._entries import entries
 from thermo.discover._extended import readings
 from thermo.discover._library import library, setting_of
+from thermo.discover._pace import silent
 from thermo.discover._search import scored
 from thermo.inverse import Meshing, Prior, Stepping, Uniform, make_objective, unfitted
 
@@ -47,7 +48,7 @@ def main() -> None:
     )  # fmt: skip
     bench = set_up(task)
     every = library(setting_of(task.scene, task.runs, bench.ready.mesh, task.names))
-    begun, _ = _begin(bench, every, lambda words: None)
+    begun, _ = _begin(bench, every, silent())
     laws = tuple(one for one in every if one.card.law)
     bare = replace(begun.point, candidates=())
     unknowns = begun.ended.slopes.shape[1]
