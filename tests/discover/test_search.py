@@ -14,14 +14,14 @@ import pytest
 from lit_box import MESH, STATED, within
 from standings import VALUES, standing
 
-from thermo.discover import Place
+from thermo.discover import Place, Transition
 from thermo.discover import _search as module
 from thermo.discover._bench import Bench
 from thermo.discover._candidate import Card
 from thermo.discover._entries import Entry
 from thermo.discover._extended import Extended
 from thermo.discover._pace import silent
-from thermo.discover._rounds import evidence, share_closed, simplest_first, together
+from thermo.discover._rounds import evidence, simplest_first, together
 from thermo.discover._scores import Score, ScoreTable
 from thermo.discover._search import (
     Refit,
@@ -34,11 +34,13 @@ from thermo.discover._search import (
     on_same_cells,
     refits,
     scored,
+    share_closed,
     worth_a_refit,
 )
 from thermo.discover.candidates import (
     HeaterPower,
     HiddenSource,
+    LatentHeat,
     TemperatureDependentConductivity,
     Void,
 )
@@ -226,6 +228,36 @@ def test_the_search_leaves_what_could_not_reach_the_best(monkeypatch: pytest.Mon
 
 
 @pytest.mark.parametrize(
+    ("left", "last"),
+    [
+        (1.0, False),  # no more than noise
+        (45.0, False),  # more than half is closed
+        (60.0, True),
+    ],
+)
+def test_where_no_large_score_closes_half_those_behind_are_tried_as_well(
+    monkeypatch: pytest.MonkeyPatch, left: float, last: bool
+) -> None:
+    begun = standing(400.0, 1, smooth=100.0)
+    sizes = [12.0, 7.0, 6.9, 6.8, 6.7, 6.6, 5.9, 5.8]
+    scores = [replace(refit(f"n{at}", 60.0, 2).score, z=z) for at, z in enumerate(sizes)]
+    places = {one.name(): SimpleNamespace(place=one.name() != "n7" or None) for one in scores}
+    object.__setattr__(begun, "first", places)
+    tried: list[str] = []
+
+    def put_to_work(_: object, score: Score, *__: object) -> Refit:
+        tried.append(score.name())
+        return refit(score.name(), 110.0, 2, smooth=left)
+
+    monkeypatch.setattr(module, "_put_to_work", put_to_work)
+    monkeypatch.setattr(module, "_measured_anew", lambda _, made, __: made)
+    table = ScoreTable(scores, [], 3.0, np.eye(8), np.zeros((VALUES, 8)))
+    refits(begun, table, (), silent())
+    # A place may bring ten times what a score of 5.9 promises; without one it is five times.
+    assert tried == [f"n{at}" for at in range(6 + last)]
+
+
+@pytest.mark.parametrize(
     "step", [lambda at: fitted(at, times=0), lambda at: scored(at, (), alpha=0.05)]
 )
 def test_fits_and_scores_make_room_for_their_programs(
@@ -251,17 +283,21 @@ def test_where_all_there_is_stands_at_work_nothing_is_scored() -> None:
 def test_laws_are_put_beside_all_kinds_whatever_is_at_work() -> None:
     source = HiddenSource(jnp.zeros(3), Place(jnp.zeros((3, 3)), jnp.ones(3)))
     law = TemperatureDependentConductivity(jnp.zeros(1))
+    bells = Transition(jnp.array([300.0, 320.0, 340.0]), jnp.full(3, 5.0))
+    phases = LatentHeat(jnp.zeros(3), bells, jnp.asarray(1e3))
     shapes = []
     for active in ((), (("hidden_source", 2),)):
         one = standing(60.0, 2, active=active)
         for name, value in {
             "point": Extended({}, (source,)),
-            "first": {"hidden_source": source, law.card.name: law},
+            "first": {"hidden_source": source, law.card.name: law, phases.card.name: phases},
             "bench": object.__new__(Bench),
         }.items():
             object.__setattr__(one, name, value)
-        beside, found = module._law_entries(one, (law,))
-        assert [each.card.name for each in found] == [law.card.name]
+        beside, found = module._law_entries(one, (law, phases))
+        # Every transition is scored: one elsewhere may hardly show in what was read.
+        scored_there = [(law.card.name, 0), *((phases.card.name, part) for part in range(3))]
+        assert [(each.card.name, each.part) for each in found] == scored_there
         shapes.append([leaf.shape for leaf in jax.tree.leaves(beside)])
     assert shapes[0] == shapes[1], "another shape would be another program"
 

@@ -121,6 +121,12 @@ def test_one_that_is_named_has_no_rivals_to_be_predicted(monkeypatch: pytest.Mon
     assert path.word == "named" and told == ["hidden_source"] and path.remarks == ["before"]
 
 
+@pytest.mark.parametrize(("doubt", "against"), [(0.0, True), (0.1, True), (0.15, False)])
+def test_noise_may_be_as_large_as_its_estimate_may_be_wrong(doubt: float, against: bool) -> None:
+    # 0.062 K are 1.24 times the noise, 1.1 times what it may be from a doubt of 0.138 on.
+    assert refuted(HeldOut(0.1, 0.062, 0.05, 0.8, (0.7, 0.9), doubt)) is against
+
+
 @pytest.mark.parametrize(
     ("after", "closed", "interval", "against"),
     [

@@ -28,7 +28,7 @@ from thermo.discover._memory import memory_of
 from thermo.discover._met import estimate_of
 from thermo.discover._misfit import Misfit, misfits
 from thermo.discover._pace import MEASURE, Pace, Say
-from thermo.discover._path import SearchPath, by_shapes, search
+from thermo.discover._path import SearchPath, search
 from thermo.discover._power import powers
 from thermo.discover._registered import registered
 from thermo.discover._rounds import candidacies
@@ -132,7 +132,7 @@ def _answer(path: SearchPath, proof: Mapping[str, HeldOut], left: Apart, seconds
         calibration=path.calibrated,
         misfits=(_misfits(begun), _misfits(path.standing)),
         traces=(traces(begun), traces(path.standing)),
-        omnibus=(by_shapes(begun), by_shapes(path.standing)),
+        omnibus=(begun.chance(), path.standing.chance()),
         stated=estimate_of(begun, seconds),
         extended=estimate_of(last, seconds),
         additions=at_work(last),

@@ -15,7 +15,7 @@ from thermo.discover._bench import Bench, finer_runs
 from thermo.discover._extended import Extended, whitened
 from thermo.discover._verdict import HeldOut
 from thermo.inverse import Case, Objective, at_once, coarse_tangents, lay_out, staying
-from thermo.observe import Run, estimate_noise
+from thermo.observe import Run, estimate_noise, variance_error
 
 # Fewer samples than these [1] are no sample of the body; draws of them.
 _FEW: Final = 10
@@ -52,12 +52,13 @@ def _compared(one: Objective, apart: tuple[np.ndarray, np.ndarray], run: Run) ->
         np.asarray(whitened(one, [jnp.asarray(each)])).reshape(used.shape[-2:]) for each in apart
     )
     squares = np.stack([np.sum(told**2, 0), np.sum(rest**2, 0), used[0].sum(0)])
-    noise = estimate_noise(run.recording).fluctuation()
+    noise, doubt = estimate_noise(run.recording).fluctuation(), variance_error(run.recording)
     whole = squares.sum(1)
     # Beyond the scatter of noise alone there is nothing to close.
     if whole[0] - whole[2] <= 5 * np.sqrt(2 * whole[2]):
-        return HeldOut(before, after, noise, None)
-    return HeldOut(before, after, noise, float(closed(whole)), closed_interval(squares))
+        return HeldOut(before, after, noise, None, None, doubt)
+    ends = closed_interval(squares, doubt)
+    return HeldOut(before, after, noise, float(closed(whole)), ends, doubt)
 
 
 def closed(squares: Float[np.ndarray, "3 *draws"]) -> Float[np.ndarray, "*draws"]:
@@ -66,18 +67,23 @@ def closed(squares: Float[np.ndarray, "3 *draws"]) -> Float[np.ndarray, "*draws"
     return np.asarray(1 - (after - count) / (before - count))
 
 
-def closed_interval(squares: Float[np.ndarray, "3 samples"]) -> tuple[float, float] | None:
+def closed_interval(
+    squares: Float[np.ndarray, "3 samples"], doubt: float
+) -> tuple[float, float] | None:
     """In which 95 % of the shares closed [1] lie, samples drawn anew with all their readings.
 
-    `squares`: of each sample before and after, and how many [1]. None with too few samples.
+    `squares`: of each sample before and after, and how many [1]; `doubt`: deviation of the variance
+    of noise as it was told, over that variance, drawn as well [1]. None with too few samples.
 
     Source: Efron and Tibshirani, An Introduction to the Bootstrap (1993), chapter 13, percentiles.
     """
     samples = squares.shape[1]
     if samples < _FEW:
         return None
-    drawn = np.random.default_rng(0).integers(samples, size=(_DRAWS, samples))
-    shares = closed(squares[:, drawn].sum(2))
+    random = np.random.default_rng(0)
+    sums = squares[:, random.integers(samples, size=(_DRAWS, samples))].sum(2)
+    sums[2] *= 1 + doubt * random.standard_normal(_DRAWS)
+    shares = closed(sums)
     low, high = np.quantile(shares, [0.025, 0.975])
     return float(low), float(high)
 

@@ -8,7 +8,6 @@ from typing import Final, final
 
 import numpy as np
 from jaxtyping import Float
-from scipy.stats import chi2
 
 from thermo.discover._bench import FINEST, edge_of, finest, resolved
 from thermo.discover._calibration import Calibration, calibration
@@ -22,17 +21,19 @@ from thermo.discover._rounds import (
     effect_of,
     make_round,
     rms,
-    share_closed,
     simplest_first,
     with_joint_effects,
 )
 from thermo.discover._scores import ScoreTable, credible
 from thermo.discover._search import (
+    BY_SHAPES,
+    WORTH,
     Refit,
     Standing,
     fitted,
     refits,
     scored,
+    share_closed,
     with_all,
     without,
 )
@@ -43,13 +44,10 @@ from thermo.inverse import FINER
 # Named effects close this share of what is beyond noise, or leave no more than noise [1].
 _CLOSED: Final = 0.9
 
-# Chance of a false alarm by the largest score, and by the misfit in smooth shapes [1]; each round
-# has half of the one before.
+# Chance of a false alarm by the largest score [1]. Each round has half of the one before, of this
+# and of that by smooth shapes.
 _BY_SCORE: Final = 0.04
-_BY_SHAPES: Final = 0.01
 _ROUNDS: Final = 3
-# An effect has to close this share of what is left [1].
-_WORTH: Final = 0.5
 # Of what a run leaves beyond noise, a score has to show this share that a refit with its place may
 # close half of it [1].
 _REACH: Final = 0.25
@@ -100,7 +98,7 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace, *, rough: b
     settled = doubted = begun
     for number in range(_ROUNDS):
         share = 0.5**number
-        if placed(standing) and by_shapes(standing) > share * _BY_SHAPES:
+        if placed(standing) and standing.chance() > share * BY_SHAPES:
             remarks.append(_FINE)
             break
         pace.step(f"scoring all candidates, round {number + 1} of {_ROUNDS} at the most")
@@ -110,7 +108,7 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace, *, rough: b
             standing, table = checked(standing, begun, alpha, laws, table, pace, remarks)
             begun = begun if number else standing
         tables.append(table)
-        calm = by_shapes(standing) > share * _BY_SHAPES
+        calm = standing.chance() > share * BY_SHAPES
         rest = _at_rest(standing, table, calm)
         if rest is not None:
             remarks += rest
@@ -126,7 +124,7 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace, *, rough: b
         before, standing = standing, with_all(made[0], standing)
         rivals |= rivals_of(made, before)
         standing, rounds = pruned(standing, rounds, table.threshold**2, pace, remarks)
-        if one.closed < _WORTH:
+        if one.closed < WORTH:
             break
         standing, rounds = on_small_cells(standing, rounds, begun, before, pace, remarks)
         pace.step("allowing for what the shapes of places may make wrong")
@@ -182,7 +180,7 @@ def _slight(standing: Standing, table: ScoreTable, rough: bool) -> bool:
     Where cells are `rough` any alarm may be theirs.
     """
     raised = [abs(one.z) for one in table.scores if credible(one, table.threshold)]
-    alarm = bool(raised) or by_shapes(standing) <= _BY_SHAPES
+    alarm = bool(raised) or standing.chance() <= BY_SHAPES
     return alarm and (rough or all(one < _SLIGHT * table.threshold for one in raised))
 
 
@@ -191,10 +189,10 @@ def calibrated(begun: Standing, table: ScoreTable) -> Calibration:
     follows = table, projection(begun.ended.slopes), begun.allowed.runs
 
     def anew() -> list[np.ndarray]:
-        made = calibration(*follows, shapes=_BY_SHAPES)
+        made = calibration(*follows, shapes=BY_SHAPES)
         return [made.largest, np.array([made.by_score, made.by_shapes, made.either])]
 
-    kept = begun.bench.memory.recalled("calibration", (*follows, _BY_SHAPES), anew)
+    kept = begun.bench.memory.recalled("calibration", (*follows, BY_SHAPES), anew)
     return Calibration(kept[0], *map(float, kept[1]))
 
 
@@ -212,7 +210,7 @@ def on_small_cells(
     `before`: where the search stood without the last effect.
     """
     tried = standing.bench.ready is not begun.bench.ready
-    needed = by_shapes(standing) <= _BY_SHAPES or thinnest(standing) < edge_of(standing.bench)
+    needed = standing.chance() <= BY_SHAPES or thinnest(standing) < edge_of(standing.bench)
     if tried or not placed(standing) or not needed:
         return standing, rounds
     pace.step("fitting on smaller cells")
@@ -302,7 +300,7 @@ def _stopped(one: Round | None, rounds: list[Round], calm: bool) -> list[str] | 
         return [_nothing(one)]
     if one.effect.card.fault:
         return [_fault(one.effect)]
-    return [_rest(one)] if rounds and one.closed < _WORTH else None
+    return [_rest(one)] if rounds and one.closed < WORTH else None
 
 
 def put_first(made: list[Refit], most: float) -> list[Refit]:
@@ -366,9 +364,9 @@ def _rest(one: Round | None) -> str:
 
 def _word(begun: Standing, last: Standing, rounds: list[Round], table: ScoreTable) -> Word:
     if not rounds:
-        gap = _alarm(table) or by_shapes(begun) <= _BY_SHAPES
+        gap = _alarm(table) or begun.chance() <= BY_SHAPES
         return "none_of_mine" if gap else "no_gap"
-    if share_closed(begun, last) < _CLOSED and by_shapes(last) <= _BY_SHAPES:
+    if share_closed(begun, last) < _CLOSED and last.chance() <= BY_SHAPES:
         return "none_of_mine"
     return verdict_of(rounds)
 
@@ -380,9 +378,3 @@ def verdict_of(rounds: Sequence[Round]) -> Word:
 
 def _alarm(table: ScoreTable) -> bool:
     return any(credible(one, table.threshold) for one in table.scores)
-
-
-def by_shapes(standing: Standing) -> float:
-    """Probability of as large a misfit in smooth shapes by chance [1]."""
-    told, count = standing.gap()
-    return float(chi2.sf(told, count))

@@ -15,7 +15,7 @@ from thermo.discover._descent import Ended
 from thermo.discover._entries import Active, Entry, entry_of
 from thermo.discover._met import met_runs
 from thermo.discover._scores import ScoreTable, best_of_kinds
-from thermo.discover._search import Refit, Standing, free_of
+from thermo.discover._search import Refit, Standing, free_of, share_closed
 from thermo.discover._verdict import Candidacy, Effect, Round
 from thermo.inverse import NORMAL
 from thermo.mesh import face_areas
@@ -82,15 +82,6 @@ def simplest_first(made: list[Refit], most: float) -> list[Refit]:
         key=lambda one: (one.score.entry.card.fault, one.standing.ended.fitted()),
     )
     return [first, *(one for one in made if one is not first)]
-
-
-def share_closed(before: Standing, after: Standing) -> float:
-    """Share of what is beyond noise in the smooth shapes that is gone after, 1 at the most [1].
-
-    A gap within the scatter of noise is no measure: that scatter is then.
-    """
-    (told, count), (rest, _) = before.gap(), after.gap()
-    return min(1.0, float((told - rest) / max(told - count, np.sqrt(2 * count))))
 
 
 def evidence(before: Ended, refitted: Mapping[str, Ended]) -> dict[str, float]:

@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Float, Int
+from scipy.stats import chi2
 
 from thermo._compiled import make_room
 from thermo.discover._allowance import Allowance
@@ -36,7 +37,7 @@ from thermo.discover._softening import omnibus
 # all whose score explains another share of it [1]: far from where scores are linear they rank
 # kinds but roughly.
 _FEW: Final = 6
-_WORTH: Final = 0.05
+_SHOWS: Final = 0.05
 _ALL: Final = 0.5
 # What a fit may gain over what its score promises [1]: where there is a place, it moves.
 _MORE: Final = 5.0
@@ -45,6 +46,12 @@ _MORE_WITH_PLACE: Final = 10.0
 _MEASURED: Final = 3
 # Of what the best gains by the criterion, how far behind one may be to be measured anew [1].
 _NEAR: Final = 0.3
+
+WORTH: Final = 0.5
+"""An effect has to close this share of what is left [1]."""
+
+BY_SHAPES: Final = 0.01
+"""Chance of a false alarm by the misfit in smooth shapes [1]."""
 
 Parts = Int[np.ndarray, " parts"]
 
@@ -74,6 +81,11 @@ class Standing:
         """Variance of what is left in the smooth shapes over that of noise, 1 at the least [1]."""
         told, count = self.gap()
         return max(1.0, told / count)
+
+    def chance(self) -> float:
+        """Probability of as large a misfit in smooth shapes by chance [1]."""
+        told, count = self.gap()
+        return float(chi2.sf(told, count))
 
 
 def free_of(standing: Standing) -> Free:
@@ -209,11 +221,15 @@ def scored(standing: Standing, laws: tuple[Candidate, ...], *, alpha: float) -> 
 
 
 def _law_entries(standing: Standing, laws: tuple[Candidate, ...]) -> tuple[Extended, list[Entry]]:
-    """Entries of laws that the point does not hold yet, in a point that does."""
+    """Entries of laws that the point does not hold yet, in a point that does.
+
+    Of laws all transitions are scored, of what else has a place what is at work alone.
+    """
     known = {one.card.name for one in standing.point.candidates}
     if all(one.card.name in known for one in laws):
         return standing.point, []
-    beside = with_few_places(replace(standing, point=_beside_laws(standing, laws)))[0].point
+    few = with_few_places(standing)[0]
+    beside = _beside_laws(few, laws)
     return beside, [one for one in entries(beside) if one.card.name not in known]
 
 
@@ -264,7 +280,7 @@ def worth_a_refit(order: list[Score]) -> list[Score]:
     return [
         one
         for number, (one, share) in enumerate(zip(order, shares, strict=True))
-        if share >= (_WORTH if number < _FEW else _ALL)
+        if share >= (_SHOWS if number < _FEW else _ALL)
     ]
 
 
@@ -277,13 +293,48 @@ def could_reach(score: Score, loss: float, rival: float, *, placed: bool) -> boo
     return loss - more * score.z**2 / 2 <= rival
 
 
+def share_closed(before: Standing, after: Standing) -> float:
+    """Share of what is beyond noise in the smooth shapes that is gone after, 1 at the most [1].
+
+    A gap within the scatter of noise is no measure: that scatter is then.
+    """
+    (told, count), (rest, _) = before.gap(), after.gap()
+    return min(1.0, float((told - rest) / max(told - count, np.sqrt(2 * count))))
+
+
 def refits(
     standing: Standing, table: ScoreTable, laws: tuple[Candidate, ...], pace: Pace
 ) -> list[Refit]:
-    """The credible candidates put to work one by one, the best first."""
+    """The credible candidates put to work one by one, the best first.
+
+    A score ranks what has a place, in the body or on the scale of temperature, by where it was
+    looked for at first. Where none of those with large scores closes enough and what is left is no
+    noise, the others are tried as well.
+    """
     order = best_of_kinds([one for one in table.scores if credible(one, table.threshold)])
-    made: list[Refit] = []
     worth = worth_a_refit(order)
+    made = _all_put_to_work(standing, worth, [], laws, pace)
+    if made and not any(_explains(standing, one.standing) for one in made):
+        tried = {one.name() for one in worth}
+        rest = [one for one in order if one.name() not in tried]
+        made = _all_put_to_work(standing, rest, made, laws, pace)
+    return _measured_anew(standing, made, pace) if made else []
+
+
+def _explains(before: Standing, after: Standing) -> bool:
+    """Whether a fit closes enough of a gap for a search to go on from there, or leaves noise."""
+    return share_closed(before, after) >= WORTH or after.chance() > BY_SHAPES
+
+
+def _all_put_to_work(
+    standing: Standing,
+    worth: list[Score],
+    made: list[Refit],
+    laws: tuple[Candidate, ...],
+    pace: Pace,
+) -> list[Refit]:
+    """Refits made already, and those of all scores that could reach the best of them."""
+    made = list(made)
     for number, score in enumerate(worth, 1):
         rival = min((one.standing.ended.loss() for one in made), default=np.inf)
         placed = standing.first[score.name()].place is not None
@@ -293,7 +344,7 @@ def refits(
         # One at least is measured anew, and the best of them once more.
         pace.step(words, REFIT, {REFIT: len(worth) - number + 1, MEASURE: 2})
         made.append(_put_to_work(standing, score, laws, rival))
-    return _measured_anew(standing, made, pace) if made else []
+    return made
 
 
 def _spread(made: list[Refit]) -> float:

@@ -16,7 +16,7 @@ from thermo.discover._place_doubt import ELSEWHERE, undoubted, with_doubt
 from thermo.discover._rounds import effect_of, rms, with_joint_effects
 from thermo.discover._search import Standing, with_all
 from thermo.discover._verdict import HeldOut
-from thermo.inverse import FINER, mesh_for
+from thermo.inverse import FINER, NORMAL, mesh_for
 
 Proof = Mapping[str, HeldOut]
 """By run that was not fitted."""
@@ -86,10 +86,11 @@ def less_cells(large: HeldOut, small: HeldOut) -> HeldOut:
 def refuted(one: HeldOut) -> bool:
     """Whether a run that was not fitted speaks against what explains those that were.
 
-    More is left than noise, and surely more than a place whose shape is a guess would leave. With
-    too few samples to be sure, or nothing to close, the difference has to grow.
+    More is left than noise, at the upper end of its 95 % interval, and surely more than a place
+    whose shape is a guess would leave. With too few samples to be sure, or nothing to close, the
+    difference has to grow.
     """
-    if one.rms_after <= _MET * one.noise:
+    if one.rms_after <= _MET * one.noise * np.sqrt(1 + NORMAL * one.doubt):
         return False
     if one.interval95 is None:
         return one.rms_after > one.rms_before

@@ -90,7 +90,9 @@ class HeldOut:
 
     - `rms_before`, `rms_after`, `noise`: of differences and of a reading [K].
     - `gap_closed`: share of the squares beyond noise [1], None where there are none;
-      `interval95`: of that share were other samples read, None where too few are.
+      `interval95`: of that share were other samples read, and noise told anew, None where too few
+      are.
+    - `doubt`: deviation of the variance of noise as it was told, over that variance [1].
     """
 
     rms_before: float
@@ -98,6 +100,7 @@ class HeldOut:
     noise: float
     gap_closed: float | None
     interval95: tuple[float, float] | None = None
+    doubt: float = 0.0
 
 
 Word = Literal["named", "inseparable", "none_of_mine", "no_gap"]
