@@ -137,6 +137,30 @@ def test_rivals_are_compared_under_the_error_of_cells_where_the_best_stands(
     assert together(order, 1.0, 8.0) == ["close", "best"]
 
 
+def test_what_leaves_more_than_nothing_on_its_own_cells_is_no_rival(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # A capacity that falls below zero where the finer run is warmest, as of a real insulation.
+    own = {"best": [48.0, 50.0], "burst": [1e9], "far": [90.0]}
+    told: list[str] = []
+
+    def on_same_cells(one: Refit, best: Refit) -> Refit:
+        told.append(one.name())
+        return refit(one.name(), 40.0 if one.name() == "burst" else 95.0, 3)
+
+    monkeypatch.setattr(
+        module, "_once_more", lambda one, *_: refit(one.name(), own[one.name()].pop(0), 3)
+    )
+    monkeypatch.setattr(module, "on_same_cells", on_same_cells)
+    made = [refit("best", 60.0, 3), refit("burst", 50.0, 3), refit("far", 80.0, 3)]
+    order = module._measured_anew(standing(300.0, 2), made, silent())
+    assert names(order) == ["best", "far", "burst"] and told == ["far"]
+    # Where none is sound the least is first all the same.
+    own |= {"best": [400.0, 410.0], "burst": [1e9], "far": [500.0]}
+    order = module._measured_anew(standing(300.0, 2), made, silent())
+    assert len(order) == 3 and names(order)[0] == "burst"
+
+
 @pytest.mark.parametrize(("left", "kept"), [(55.0, 55.0), (75.0, 70.0)])
 def test_a_rival_counts_by_the_less_that_it_leaves(
     monkeypatch: pytest.MonkeyPatch, left: float, kept: float

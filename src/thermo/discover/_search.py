@@ -421,14 +421,18 @@ def _measured_anew(standing: Standing, made: list[Refit], pace: Pace) -> list[Re
     count = len(near) + 1
     again = in_order([_once_more(one, pace, number, count) for number, one in enumerate(near, 1)])
     again[0] = _once_more(again[0], pace, count, count)
-    best, *rivals = in_order(again)
+    # What leaves more than without it, once cells are measured where it stands, fits these alone.
+    sound = [one.standing.ended.loss() < standing.ended.loss() for one in again]
+    lost = [one for one, keeps in zip(again, sound, strict=True) if not keeps and any(sound)]
+    best, *rivals = in_order([one for one in again if all(one is not other for other in lost)])
+    again = [best, *rivals]
     if rivals:
         pace.step("comparing those near the best under the same error of cells")
         first, *rivals = in_order([best, *(on_same_cells(one, best) for one in rivals)])
         # One that has passed the best is met by it there once more.
         again = [first, *(on_same_cells(one, first) if one is best else one for one in rivals)]
     others = [one for one in made if all(one is not other for other in near)]
-    return in_order(again) + others
+    return in_order(again) + others + lost
 
 
 def with_all(refit: Refit, before: Standing) -> Standing:
