@@ -422,9 +422,9 @@ def _measured_anew(standing: Standing, made: list[Refit], pace: Pace) -> list[Re
     again = in_order([_once_more(one, pace, number, count) for number, one in enumerate(near, 1)])
     again[0] = _once_more(again[0], pace, count, count)
     # What leaves more than without it, once cells are measured where it stands, fits these alone.
-    sound = [one.standing.ended.loss() < standing.ended.loss() for one in again]
-    lost = [one for one, keeps in zip(again, sound, strict=True) if not keeps and any(sound)]
-    best, *rivals = in_order([one for one in again if all(one is not other for other in lost)])
+    sound = [one for one in again if one.standing.ended.loss() < standing.ended.loss()]
+    lost = [one for one in again if sound and all(one is not other for other in sound)]
+    best, *rivals = in_order(sound or again)
     again = [best, *rivals]
     if rivals:
         pace.step("comparing those near the best under the same error of cells")
