@@ -34,7 +34,8 @@ PLACE = Place(jnp.zeros((1, 3)), jnp.ones(1))
 
 def found(low: float, high: float, closed: float) -> Round:
     made, chance = one_round(["hidden_source"], closed), 0.2 if low <= 0 <= high else 0.001
-    return replace(made, effect=replace(made.effect, interval95=(low, high), chance=chance))
+    effect = replace(made.effect, interval95=(low, high), chance=chance)
+    return replace(made, effect=effect, p_value=chance)
 
 
 def searched(
@@ -96,6 +97,14 @@ def test_an_effect_that_may_be_nothing_is_not_named_where_nothing_else_is_left(
     assert path.word == "no_gap" and path.rounds == []
     assert "hidden_source passes the threshold" in path.remarks[0]
     assert "[0, 0.5] W" in path.remarks[0]
+
+
+def test_one_whose_place_makes_up_for_its_strength_is_named_for_what_it_explains(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    flank = replace(found(0.0, 0.5, 0.9), p_value=1e-6)
+    path = searched(monkeypatch, [1.5, 1.0], [flank], alarms=1)
+    assert path.word == "named" and len(path.rounds) == 1 and path.remarks == []
 
 
 def test_kinds_at_two_places_are_told_of() -> None:
@@ -302,8 +311,12 @@ def small_cells(
     edge: float = 0.5,
     after: float = 0.05,
     fault: InputError | None = None,
+    burst: float | None = None,
 ) -> list[str]:
-    """What is said where an effect of size one leaves so much in smooth shapes."""
+    """What is said where an effect of size one leaves so much in smooth shapes.
+
+    On smaller cells simulations may `burst`, and leave so much.
+    """
 
     def resolved(bench: Bench, _: Any) -> Bench:
         if fault is not None:
@@ -327,7 +340,7 @@ def small_cells(
     fakes: dict[str, Any] = {
         "resolved": resolved,
         "edge_of": lambda bench: edge,
-        "fitted": lambda made, **_: made,
+        "fitted": lambda made, **_: made if burst is None else standing(burst, 2, 600.0),
         "rms": lambda _: next(sizes),
     }
     for name, fake in fakes.items():
@@ -336,7 +349,7 @@ def small_cells(
     _, rounds = _path.on_small_cells(
         now, [found(0.1, 0.5, 0.7)], began, standing(900.0, 1, 600.0), silent(), remarks
     )  # fmt: skip
-    if fault is not None:
+    if fault is not None or burst is not None:
         assert rounds[0].closed == 0.7, "what was found stays"
     elif remarks:
         assert rounds[0].rms_after == {"lamp": 0.05}
@@ -355,6 +368,14 @@ def test_cells_are_made_smaller_once_about_a_place_that_leaves_a_misfit(
     assert len(small_cells(monkeypatch, 1.0, PLACE, edge=1.1)) == 1, "cells are too large for it"
     assert small_cells(monkeypatch, 40.0, None) == [], "no place is at work"
     assert small_cells(monkeypatch, 40.0, PLACE, after=0.20004) == [], "nothing to tell of"
+
+
+@pytest.mark.parametrize("left", [1e9, np.inf, np.nan])
+def test_smaller_cells_on_which_an_effect_bursts_are_not_gone_to(
+    monkeypatch: pytest.MonkeyPatch, left: float
+) -> None:
+    (told,) = small_cells(monkeypatch, 40.0, PLACE, burst=left)
+    assert "With hidden_source at work smaller cells leave more than without it" in told
 
 
 def test_where_no_smaller_cells_can_be_made_the_search_goes_on(

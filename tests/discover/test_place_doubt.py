@@ -56,6 +56,18 @@ def test_a_patch_half_as_wide_is_within_what_is_allowed(objective: Objective) ->
     assert kept > 0.9, "what no place explains stays"
 
 
+def test_what_bursts_elsewhere_tells_of_no_error(
+    objective: Objective, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = standing(objective, LocalConvection(one(3e4), at(TOP, SIZE)))
+    monkeypatch.setattr(
+        _place_doubt, "whitened", lambda *_: np.full(len(before.ended.residual), np.inf)
+    )
+    after = with_doubt(before, before.allowed)
+    values = np.random.default_rng(3).normal(size=(len(before.ended.residual), 1))
+    np.testing.assert_allclose(after.allowed.whiten(values), before.allowed.whiten(values))
+
+
 def test_doubts_do_not_pile_up(objective: Objective) -> None:
     before = standing(objective, LocalConvection(one(300.0), at(TOP, SIZE)))
     plain = before.allowed

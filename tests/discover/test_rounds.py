@@ -4,12 +4,33 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from standings import standing
-from verdicts import one_round
+from verdicts import SOURCE, one_round
 
 from thermo.discover import _rounds
-from thermo.discover._rounds import with_joint_effects
+from thermo.discover._entries import Entry
+from thermo.discover._rounds import make_round, with_joint_effects
+from thermo.discover._scores import Score, ScoreTable
+from thermo.discover._search import Refit
+
+
+@pytest.mark.parametrize(("parts", "chance"), [(1, 0.0455), (10, 0.455), (100, 1.0)])
+def test_noise_explains_as_much_by_any_of_what_was_scored(
+    monkeypatch: pytest.MonkeyPatch, parts: int, chance: float
+) -> None:
+    for name, fake in [
+        ("effect_of", one_round([], 0.9).effect), ("rms", {}), ("candidacies", []),
+        ("evidence", {}),
+    ]:  # fmt: skip
+        monkeypatch.setattr(_rounds, name, lambda *_, fake=fake: fake)
+    score = Score(Entry(0, 0, SOURCE, np.zeros(1, int)), 2.0, np.zeros(1), 1.0, 1.0, 0.5, slice(1))
+    table = ScoreTable([score] * parts, [], 3.4, np.zeros((0, 0)), np.zeros((0, 0)))
+    before, after = standing(44.0, 2), standing(40.0, 3, active=(("hidden_source", 0),))
+    made = make_round(before, [Refit(score, after)], table)
+    # Four of chi-square with one free entry more: 4.55 %.
+    assert made.p_value == pytest.approx(chance, rel=1e-3)
 
 
 @pytest.mark.parametrize("count", range(4))

@@ -62,7 +62,12 @@ _CELLS: Final = (
     "A score of {:.3g} passed the threshold against cells {:g} times as short as a fit's, and none "
     "does against cells {:g} times as short: it came from the cells."
 )
-# An effect may as well be absent where scatter gives strengths as large with this chance [1].
+_BURST: Final = (
+    "With {} at work smaller cells leave more than without it; cells stay as they are, and what "
+    "they make wrong beside it is not known."
+)
+# An effect may as well be absent where scatter gives strengths as large with this chance, and
+# explains as much of what is left [1].
 _ABSENT: Final = 0.05
 
 
@@ -222,12 +227,15 @@ def on_small_cells(
         why = f"{fault.what}, {fault.value}; {fault.remedy}"
         remarks.append(f"Cells beside {name} stay as they are: {why}.")
         return standing, rounds
-    standing = fitted(replace(standing, bench=bench), times=2)
-    small, closed = rms(standing), share_closed(before, standing)
+    smaller = fitted(replace(standing, bench=bench), times=2)
+    if not smaller.ended.loss() < before.ended.loss():
+        remarks.append(_BURST.format(name))
+        return standing, rounds
+    small, closed = rms(smaller), share_closed(before, smaller)
     told = ", ".join(f"{run} {one:.3g} to {small[run]:.3g} K" for run, one in large.items())
     if any(f"{one:.3g}" != f"{small[run]:.3g}" for run, one in large.items()):
         remarks.append(f"Smaller cells change what is left beside {name}: {told}.")
-    return standing, [*rounds[:-1], replace(rounds[-1], rms_after=small, closed=closed)]
+    return smaller, [*rounds[:-1], replace(rounds[-1], rms_after=small, closed=closed)]
 
 
 def placed(standing: Standing) -> bool:
@@ -288,8 +296,14 @@ def _at_rest(standing: Standing, table: ScoreTable, calm: bool) -> list[str] | N
 
 
 def _absent(one: Round | None, calm: bool) -> bool:
-    """Whether all that is left is an effect that may as well be nothing."""
-    return calm and one is not None and one.effect.chance > _ABSENT
+    """Whether all that is left is an effect that may as well be nothing.
+
+    Strengths by themselves do not tell: where readings see but a flank of a place, that may make up
+    for any strength, so that its error is far larger than what it explains leaves room for.
+
+    Source: Hauck and Donner, J. Am. Statist. Assoc. 72 (1977) 851, what Wald's test misses.
+    """
+    return calm and one is not None and min(one.effect.chance, one.p_value) > _ABSENT
 
 
 def _stopped(one: Round | None, rounds: list[Round], calm: bool) -> list[str] | None:

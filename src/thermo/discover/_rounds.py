@@ -27,9 +27,11 @@ def make_round(before: Standing, made: list[Refit], table: ScoreTable) -> Round:
     One stays beside the best unless that gains more over it than the threshold squared, by the
     criterion or by what is left alone: freedom that a rival had no need of is no ground to exclude
     it. Where the best leaves more than noise, what it leaves counts as noise: the misfit of a
-    model that is not quite right tells rivals apart less well than the noise alone would.
+    model that is not quite right tells rivals apart less well than the noise alone would. Noise
+    has as many chances to explain as much as parts were scored.
 
-    Source: McCullagh and Nelder, Generalized Linear Models (1989), section 9.2, quasi-likelihood.
+    Source: McCullagh and Nelder, Generalized Linear Models (1989), section 9.2, quasi-likelihood;
+    Wilks, Ann. Math. Statist. 9 (1938) 60, the ratio of likelihoods; Bonferroni's inequality.
     """
     best = made[0]
     spread = best.standing.misfit()
@@ -44,7 +46,7 @@ def make_round(before: Standing, made: list[Refit], table: ScoreTable) -> Round:
         threshold=table.threshold,
         effect=effect_of(best.standing, best.standing.active[-1], spread),
         together=together(made, spread, table.threshold**2),
-        p_value=float(chi2.sf(gain, more)),
+        p_value=min(1.0, len(table.scores) * float(chi2.sf(gain, more))),
         rms_before=rms(before),
         rms_after=rms(best.standing),
         closed=share_closed(before, best.standing),

@@ -69,7 +69,8 @@ class Round:
 
     - `candidates`: all kinds, the best part of each; `threshold`: of their scores [1].
     - `effect`: the best; `together`: names of all that would explain as much.
-    - `p_value`: of what it explains [1]; `rms_before`, `rms_after`: by run [K].
+    - `p_value`: that of all that was scored noise makes one explain as much [1].
+    - `rms_before`, `rms_after`: by run [K].
     - `closed`: share of what is beyond noise that it closes [1].
     """
 
