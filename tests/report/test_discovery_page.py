@@ -95,11 +95,11 @@ def record(verdict: str, **more: Any) -> dict[str, Any]:
         },
         "over_time": {"lamp": {"before": over_time(-17.25, 0.0), "after": over_time(1.31, 0.62)}},
         "gap": {"lamp": {"before": squares(5432.1), "after": squares(201.5)}},
-        "residuals": {"lamp": {
+        "residuals": dict.fromkeys(("lamp", "other & all", "calm"), {
             "points": [[0.0, 0.0, 0.0], [0.01, 0.0, 0.0], [0.0, 0.02, 0.0]], "time": [0.0, 1.0],
             "by_sample": {"before": [0.1, 0.9, None], "after": [0.05, 0.06, None]},
             "by_frame": {"before": [0.1, 0.8], "after": [0.05, None]},
-        }},
+        }),
         "calibration": {
             "draws": 200, "false_alarms": {"by_score": 0.041, "by_shapes": 0.01, "either": 0.049},
             "largest_score": {"chance": [0.1, 0.5, 0.96], "value": [1.5, 2.2, 4.2]},
@@ -148,7 +148,9 @@ def test_the_page_is_whole_and_asks_for_nothing(verdict: str) -> None:
     wanted = ["verdict", "rounds", "gap", "scores", "candidates", "held_out", "parameters",
               "calibration", "missed", "noise", "versions"]  # fmt: skip
     assert [one for one in checker.ids if one in wanted] == wanted
-    assert {"scores-0", "held-out-0", "gap-0", "gap-1", "chance-0"} <= set(checker.ids)
+    # Of two runs that were not fitted maps and curves, beside the bars of both.
+    drawn = {"scores-0", *(f"held-out-{n}" for n in range(5)), "gap-0", "gap-1", "chance-0"}
+    assert drawn <= set(checker.ids) and "held-out-5" not in checker.ids
     assert len(checker.ids) == len(set(checker.ids))
     assert "A block &lt;script&gt;" in page and "0.10 &lt;dev&gt; in 412 s" in page
     assert f'<p class="said lead {verdict}">It is {verdict}, &lt;i&gt;so&lt;/i&gt;.</p>' in page
@@ -268,7 +270,14 @@ def test_maps_before_and_after_have_one_scale_of_colours() -> None:
     assert before.marker.cmax == 0.9 and before.scene != after.scene
     assert "&lt;lamp&gt;" in figure.layout.title.text
     told["by_sample"]["after"] = told["by_frame"]["after"] = None
-    assert len(residual_maps("lamp", told).data) == len(residual_curves("lamp", told).data) == 1
+    bare: Any = residual_curves("lamp", told, None)
+    assert len(residual_maps("lamp", told).data) == len(bare.data) == 1 and not bare.layout.shapes
+
+
+def test_curves_stand_beside_the_noise() -> None:
+    figure: Any = residual_curves("lamp", record("named")["residuals"]["lamp"], 0.051)
+    assert [one.name for one in figure.data] == ["before", "after"]
+    assert [line.y0 for line in figure.layout.shapes] == [0.051]
 
 
 def test_the_score_that_was_found_is_marked_where_that_leaves_the_curve_to_be_seen() -> None:

@@ -8,10 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from verdicts import verdict
+from verdicts import held, verdict
 
-from thermo.discover import HeldOut
-from thermo.discover.candidates import LatentHeat, LocalConvection, SupportContact
+from thermo.discover.candidates import AmbientDrift, LatentHeat, LocalConvection, SupportContact
 from thermo.report import discovery_record, discovery_table, write_discovery
 
 WORDS = {
@@ -45,7 +44,7 @@ def test_each_verdict_says_what_it_is(word: str) -> None:
 def test_a_run_on_which_it_does_not_hold_says_so(
     before: float, after: float, told: str, wrong: bool
 ) -> None:
-    proof = {"other": HeldOut(before, after, 0.05, None)}
+    proof = {"other": held(before, after)}
     said = " ".join(discovery_record(replace(verdict("named"), held_out=proof))["sentences"])
     assert told in said and ("does not hold there" in said) == wrong
 
@@ -96,6 +95,15 @@ def test_a_change_of_phase_is_told_with_its_temperature() -> None:
     assert record["sentences"][0] == told
 
 
+def test_a_history_is_told_from_end_to_end() -> None:
+    made = verdict("named")
+    (one,) = made.rounds
+    assert discovery_record(made)["rounds"][0]["strengths"] is None
+    drift = replace(one.effect, card=AmbientDrift.card, strength=8.0, strengths=(1.0, 3.0, 8.0))
+    told = discovery_record(replace(made, rounds=[replace(one, effect=drift)]))
+    assert told["rounds"][0]["strengths"] == [1.0, 3.0, 8.0]
+
+
 def test_what_reads_alike_is_told_beside_an_effect() -> None:
     made = verdict("named")
     (one,) = made.rounds
@@ -121,7 +129,12 @@ def test_where_nothing_explains_the_gap_residuals_are_those_of_the_stated_model(
     assert max(found["by_sample"]["before"]) > 5 * max(found["by_sample"]["after"])
     assert len(found["by_sample"]["after"]) == samples
     assert found["by_frame"]["before"][0] == 0 < found["by_frame"]["before"][-1]
-    bare = discovery_record(verdict("none_of_mine"))["residuals"]["lamp"]
-    assert bare["by_sample"]["after"] is None and bare["by_frame"]["after"] is None
+    bare = discovery_record(verdict("none_of_mine"))["residuals"]
+    assert bare["lamp"]["by_sample"]["after"] is bare["lamp"]["by_frame"]["after"] is None
+    # What is closest is predicted on runs that were not fitted all the same.
+    assert bare["other"]["by_frame"] == {"before": [0.4] * 3, "after": pytest.approx([0.055] * 3)}
+    assert bare["other"]["by_sample"]["before"] == pytest.approx([0.4] * 2)
+    calm = discovery_record(verdict("no_gap"))["residuals"]["other"]
+    assert calm["time"] == [0.0, 5.0, 10.0] and calm["by_frame"]["after"] is None
     told = discovery_record(verdict("named"))["gap"]["lamp"]
     assert told["before"]["changing"] == {"squares": 1584.0, "expected": 176}

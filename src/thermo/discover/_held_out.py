@@ -13,7 +13,7 @@ from jaxtyping import Float
 
 from thermo.discover._bench import Bench, finer_runs
 from thermo.discover._extended import Extended, whitened
-from thermo.discover._verdict import HeldOut
+from thermo.discover._verdict import Differences, HeldOut
 from thermo.inverse import Case, Objective, at_once, coarse_tangents, lay_out, staying
 from thermo.observe import Run, estimate_noise, variance_error
 
@@ -40,14 +40,23 @@ def held_out(bench: Bench, stated: Extended, extended: Extended) -> Mapping[str,
             one = replace(like, cases=(_only(case, row),))
             pair = (apart[0][row : row + 1], apart[1][row : row + 1])
             run = runs[next(order)]
-            found[run.name] = _compared(one, pair, run)
+            time = np.asarray(ready.grids[run.name].frame_time)
+            found[run.name] = _compared(one, pair, run, time)
     return found
 
 
-def _compared(one: Objective, apart: tuple[np.ndarray, np.ndarray], run: Run) -> HeldOut:
-    """Differences of one run before and after [K]."""
+def _compared(
+    one: Objective,
+    apart: tuple[np.ndarray, np.ndarray],
+    run: Run,
+    time: Float[np.ndarray, " frames"],
+) -> HeldOut:
+    """Differences of one run before and after [K], at its times [s]."""
     used = np.asarray(one.cases[0].used) > 0
-    before, after = (_rms(np.where(used, each, np.nan)[0], run) for each in apart)
+    here = slice(len(time)), slice(len(run.recording.points))
+    both = [_staying_off(np.where(used, each, np.nan)[0][here], run) for each in apart]
+    apart_there = Differences(time, run.recording.points, *both)
+    before, after = (float(np.sqrt(np.nanmean(each**2))) for each in both)
     told, rest = (
         np.asarray(whitened(one, [jnp.asarray(each)])).reshape(used.shape[-2:]) for each in apart
     )
@@ -56,9 +65,9 @@ def _compared(one: Objective, apart: tuple[np.ndarray, np.ndarray], run: Run) ->
     whole = squares.sum(1)
     # Beyond the scatter of noise alone there is nothing to close.
     if whole[0] - whole[2] <= 5 * np.sqrt(2 * whole[2]):
-        return HeldOut(before, after, noise, None, None, doubt)
+        return HeldOut(before, after, noise, None, None, doubt, apart_there)
     ends = closed_interval(squares, doubt)
-    return HeldOut(before, after, noise, float(closed(whole)), ends, doubt)
+    return HeldOut(before, after, noise, float(closed(whole)), ends, doubt, apart_there)
 
 
 def closed(squares: Float[np.ndarray, "3 *draws"]) -> Float[np.ndarray, "*draws"]:
@@ -88,10 +97,11 @@ def closed_interval(
     return float(low), float(high)
 
 
-def _rms(apart: np.ndarray, run: Run) -> float:
-    samples = slice(len(run.recording.points))
-    apart = apart[:, samples]
-    return float(np.sqrt(np.nanmean((apart + staying(-apart, run)) ** 2)))
+def _staying_off(
+    apart: Float[np.ndarray, "frames samples"], run: Run
+) -> Float[np.ndarray, "frames samples"]:
+    """Differences [K] without the constant errors of samples."""
+    return apart + staying(-apart, run)
 
 
 def _only(case: Case, row: int) -> Case:

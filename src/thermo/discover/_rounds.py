@@ -143,14 +143,15 @@ def effect_of(
     strengths = np.asarray(ravel_pytree(point)[0])[entry.strengths] / free.scale[own]
     inverse = np.linalg.pinv(covariance[np.ix_(own, own)], hermitian=True)
     chance = float(chi2.sf(strengths @ inverse @ strengths, len(own)))
-    value = float(candidate.strength[len(entry.strengths) - 1 if entry.card.joint else entry.part])
+    joint = tuple(map(float, candidate.strength)) if entry.card.joint else ()
+    value = joint[-1] if joint else float(candidate.strength[entry.part])
     centre, size = _place(standing, entry)
     band = candidate.place if isinstance(candidate.place, Transition) else None
     at = None if band is None else (float(band.centre[entry.part]), float(band.size[entry.part]))
     ends = np.clip([value - NORMAL * sd, value + NORMAL * sd], entry.card.low, entry.card.high)
     return Effect(
         entry.card, value, sd, (float(ends[0]), float(ends[1])), centre, size, at,
-        conductance_of(standing, active), chance=chance,
+        conductance_of(standing, active), joint, chance=chance,
     )  # fmt: skip
 
 

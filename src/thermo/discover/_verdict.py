@@ -27,6 +27,7 @@ class Effect:
     - `chance`: of strengths as large by the scatter of the fit alone, all of a joint effect [1].
     - `transition`: middle and width on the scale of temperature [K], or None.
     - `conductance`: over all of its place [W/K]; None where it adds no convection and no contact.
+    - `strengths`: of a joint effect, as a history, all in their order; `strength` is the last.
     """
 
     card: Card
@@ -37,6 +38,7 @@ class Effect:
     size: float | None
     transition: tuple[float, float] | None = None
     conductance: float | None = None
+    strengths: tuple[float, ...] = ()
     chance: float = field(kw_only=True)
 
 
@@ -86,6 +88,21 @@ class Round:
 
 @final
 @dataclass(frozen=True)
+class Differences:
+    """Simulation less readings of a run, constant errors of samples taken off.
+
+    - `time`: (frames,) [s]; `points`: (samples, 3) [m].
+    - `before`, `after`: (frames, samples) [K], NaN where nothing was read.
+    """
+
+    time: Float[np.ndarray, " frames"]
+    points: Float[np.ndarray, "samples 3"]
+    before: Float[np.ndarray, "frames samples"]
+    after: Float[np.ndarray, "frames samples"]
+
+
+@final
+@dataclass(frozen=True)
 class HeldOut:
     """A run that was not fitted.
 
@@ -94,14 +111,16 @@ class HeldOut:
       `interval95`: of that share were other samples read, and noise told anew, None where too few
       are.
     - `doubt`: deviation of the variance of noise as it was told, over that variance [1].
+    - `differences`: of which those are the root mean squares [K].
     """
 
     rms_before: float
     rms_after: float
     noise: float
     gap_closed: float | None
-    interval95: tuple[float, float] | None = None
-    doubt: float = 0.0
+    interval95: tuple[float, float] | None
+    doubt: float
+    differences: Differences
 
 
 Word = Literal["named", "inseparable", "none_of_mine", "no_gap"]

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from plotly.graph_objects import Figure
 from plotly.offline import get_plotlyjs
 
 from thermo.fields import QUANTITIES
@@ -91,7 +92,16 @@ def _rounds(record: Record) -> str:
         for number, one in enumerate(record["rounds"], 1)
     ]
     body = _table(header, rows, ["round"] * len(rows))
-    return body + _note(f"{told}{before} before the first round, {after} after the last.")
+    return body + _note(
+        f"{_CHANCES} {told}{before} before the first round, {after} after the last."
+    )
+
+
+_CHANCES = (
+    "A p-value is the chance that noise makes any candidate, wherever it was looked for, explain "
+    "as much. The other chance asks for no effect: it counts what is left in smooth shapes alone, "
+    "and may be large where an effect is sure that shows in few readings."
+)
 
 
 def _what(one: Record, verdict: str) -> str:
@@ -133,10 +143,16 @@ def _gap(record: Record) -> str:
         "noise alone leaves about as many as there are readings or shapes."
     )
     figures = []
-    for name, found in record["residuals"].items():
-        figures += [residual_maps(name, found), residual_curves(name, found)]
+    for name in record["gap"]:
+        figures += _drawn(record, name, record["noise"][name])
     told = _table(header, rows, ["part"] * len(rows)) + _note(words)
     return _plots(figures, "gap") + told + _over_time(record)
+
+
+def _drawn(record: Record, run: str, noise: float | None) -> list[Figure]:
+    """What is left of a run, by sample and over time, beside its noise [K]."""
+    found = record["residuals"][run]
+    return [residual_maps(run, found), residual_curves(run, found, noise)]
 
 
 def _over_time(record: Record) -> str:
@@ -252,7 +268,10 @@ def _held_out(record: Record) -> str:
          _closed(one)]
         for name, one in found.items()
     ]  # fmt: skip
-    drawn = _plots([held_out_bars(found)], "held-out")
+    figures = [held_out_bars(found)]
+    for name, one in found.items():
+        figures += _drawn(record, name, one["noise"])
+    drawn = _plots(figures, "held-out")
     return drawn + _table(header, rows, ["held"] * len(rows))
 
 

@@ -98,8 +98,8 @@ def residual_maps(run: str, found: Record) -> Figure:
     )  # fmt: skip
 
 
-def residual_curves(run: str, found: Record) -> Figure:
-    """Root mean square over the samples at each time [K], before and after."""
+def residual_curves(run: str, found: Record, noise: float | None) -> Figure:
+    """Root mean square over the samples at each time [K], before and after, and that of noise."""
     colours = {"before": "#a3242b", "after": "#1b6e3c"}
     lines = [
         Scatter(
@@ -110,7 +110,13 @@ def residual_curves(run: str, found: Record) -> Figure:
         if one is not None
     ]  # fmt: skip
     title = f"{html.escape(run)}: simulation less readings over time"
-    return _titled(Figure(lines), title, "time [s]", "rms [K]")
+    figure = _titled(Figure(lines), title, "time [s]", "rms [K]")
+    if noise is not None:
+        figure.add_hline(
+            y=noise, line_dash="dash", line_color="#6b6b6b", line_width=2, opacity=1.0,
+            annotation_text="noise",
+        )  # fmt: skip
+    return figure
 
 
 def alias_matrix(found: Mapping[str, Mapping[str, float]]) -> Figure:

@@ -12,6 +12,7 @@ import numpy as np
 from thermo.discover import (
     Calibration,
     Candidacy,
+    Differences,
     Effect,
     HeldOut,
     Misfit,
@@ -100,29 +101,42 @@ def _trace(one: Trace) -> dict[str, Any]:
 
 
 def _residuals(found: Verdict) -> dict[str, Any]:
-    """By run and sample [m], and by run and frame [s], root mean squares before and after [K]."""
-    told = {}
-    for name, before in found.stated.runs.items():
-        after = found.extended.runs[name] if found.additions else None
-        told[name] = {
-            "points": before.points.tolist(),
-            "time": before.time.tolist(),
-            "by_sample": _both(before, after, 0),
-            "by_frame": _both(before, after, 1),
-        }
-    return told
+    """By run and sample [m], and by run and frame [s], root mean squares before and after [K].
 
-
-def _both(before: RunFit, after: RunFit | None, axis: int) -> dict[str, list[float] | None]:
+    Of runs that were fitted and, after them, of those that were not: there as well with what is
+    closest, where nothing explains the gap.
+    """
+    fitted = {
+        name: Differences(one.time, one.points, _apart(one), _apart(found.extended.runs[name]))
+        for name, one in found.stated.runs.items()
+    }
+    others = {name: one.differences for name, one in found.held_out.items()}
     return {
-        "before": _over(before, axis).tolist(),
-        "after": None if after is None else _over(after, axis).tolist(),
+        name: {
+            "points": one.points.tolist(),
+            "time": one.time.tolist(),
+            "by_sample": _both(one, 0, added=bool(added)),
+            "by_frame": _both(one, 1, added=bool(added)),
+        }
+        for runs, added in ((fitted, found.additions), (others, found.rounds))
+        for name, one in runs.items()
     }
 
 
-def _over(run: RunFit, axis: int) -> np.ndarray:
+def _apart(run: RunFit) -> np.ndarray:
+    return run.simulated - run.measured
+
+
+def _both(one: Differences, axis: int, *, added: bool) -> dict[str, list[float] | None]:
+    return {
+        "before": _over(one.before, axis).tolist(),
+        "after": _over(one.after, axis).tolist() if added else None,
+    }
+
+
+def _over(apart: np.ndarray, axis: int) -> np.ndarray:
     """Root mean square over frames or samples [K]; NaN where nothing was read."""
-    square = (run.simulated - run.measured) ** 2
+    square = apart**2
     count = np.isfinite(square).sum(axis)
     total = np.where(np.isfinite(square), square, 0.0).sum(axis)
     return np.where(count > 0, np.sqrt(total / np.maximum(count, 1)), np.nan)
@@ -150,6 +164,7 @@ def _round(one: Round, explains: bool) -> dict[str, Any]:
         "strength": effect.strength,
         "sd": effect.sd,
         "interval95": list(effect.interval95),
+        "strengths": list(effect.strengths) or None,
         "unit": effect.card.unit,
         "location": None
         if effect.centre is None
