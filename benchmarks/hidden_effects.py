@@ -1,6 +1,7 @@
 """Hidden effects of our own making: what `thermo.discover` says of each, and how often it is right.
 
     python benchmarks/hidden_effects.py [--out FOLDER] [--clean 200] [--draws 10] [--share 0/2]
+    python benchmarks/hidden_effects.py --others --clean 12 --draws 2 [--out FOLDER]
 
 Five bodies, three kinds of noise; recordings by scikit-fem in quadratic functions on structured
 tetrahedra and by TR-BDF2, none of which is the project's own solver, corrected by what shorter
@@ -10,6 +11,7 @@ Cases: nothing hidden, seventeen effects of the library, seven that it lacks, si
 A case whose result lies in FOLDER is not made again, so that the suite can be interrupted.
 `--share 0/2` and `--share 1/2` make its halves side by side, body by body, since the cases of one
 body share compiled programs. `--table` adds what FOLDER holds to the tables in benchmarks/results.
+`--others` takes two other bodies of two other materials: nothing of the search was settled on them.
 `--check` prints how exact the recordings are: what the last cut of cells and steps changed.
 """
 
@@ -23,14 +25,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from hidden._scenes import Case, Made, cases, exactness, make, the_body
+from hidden._scenes import OTHERS, SHAPES, Case, Made, cases, exactness, make, the_body
 
 from thermo.discover import Verdict, discover
 from thermo.inverse import Meshing
 from thermo.report import discovery_record
 
 RESULTS = Path(__file__).parent / "results"
-CASES = "hidden_effects.csv"
 NODES = 3000
 
 
@@ -44,15 +45,16 @@ def main() -> None:
     parser.add_argument("--only", default="", help="words in the names of the cases to run")
     parser.add_argument("--table", action="store_true")
     parser.add_argument("--check", action="store_true")
+    parser.add_argument("--others", action="store_true")
     asked = parser.parse_args()
     if asked.check:
         for what, apart in exactness():
             print(f"{what}: {1e3 * apart:.2g} mK", flush=True)
         return
-    suite = cases(asked.clean, asked.draws)
+    suite = cases(asked.clean, asked.draws, OTHERS if asked.others else SHAPES)
     if asked.table:
         rows = [one for case in suite if (one := result(asked.out, case))]
-        write_tables(rows)
+        write_tables(rows, "hidden_effects_others" if asked.others else "hidden_effects")
         return
     part, parts = map(int, asked.share.split("/"))
     for number, case in enumerate(suite):
@@ -177,11 +179,11 @@ RULES = ("answer", "by correlation", "by BIC")
 PLAIN = ("right", "wrong")
 
 
-def write_tables(rows: list[dict[str, Any]]) -> None:
+def write_tables(rows: list[dict[str, Any]], name: str) -> None:
     """One line a case, and one a stratum; lines of cases that were not run now stay."""
-    lines = {}
-    if (RESULTS / CASES).exists():
-        with (RESULTS / CASES).open(newline="", encoding="utf-8") as file:
+    lines, path = {}, RESULTS / f"{name}.csv"
+    if path.exists():
+        with path.open(newline="", encoding="utf-8") as file:
             lines = {line[0]: line for line in list(csv.reader(file))[1:]}
     for row in rows:
         first = row["interval"][0] if row["interval"] else (None, None)
@@ -194,10 +196,10 @@ def write_tables(rows: list[dict[str, Any]]) -> None:
             alone(row["by_correlation"], row), alone(row["by_bic"], row), *short[3:],
             f"{row['seconds']:.0f}",
         ]  # fmt: skip
-    _write(CASES, [HEADER, *(lines[name] for name in sorted(lines))])
+    _write(path.name, [HEADER, *(lines[case] for case in sorted(lines))])
     strata: dict[tuple[str, str], list[list[Any]]] = {}
-    for name, line in lines.items():
-        group, hidden, shape, _, noise, _ = name.split("-")
+    for case, line in lines.items():
+        group, hidden, shape, _, noise, _ = case.split("-")
         for stratum in ("all", noise if hidden == "clean" else hidden, shape):
             strata.setdefault((group, stratum), []).append(line)
     words = ["right", "set", "partly", "refused", "missed", "set of wrong ones", "wrong"]
@@ -207,7 +209,7 @@ def write_tables(rows: list[dict[str, Any]]) -> None:
         shares = [sum(answer == word for answer in one) for one in others for word in PLAIN]
         table.append([*key, len(found), *(ours.count(word) for word in words), *shares])
     header = [f"{rule}: {word}" for rule in RULES[1:] for word in PLAIN]
-    _write("hidden_effects_rates.csv", [["group", "stratum", "cases", *words, *header], *table])
+    _write(f"{name}_rates.csv", [["group", "stratum", "cases", *words, *header], *table])
 
 
 def _write(name: str, rows: list[list[Any]]) -> None:

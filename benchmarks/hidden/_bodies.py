@@ -1,4 +1,4 @@
-"""Five bodies as structured tetrahedra, quadratic functions on them, and points to read."""
+"""Bodies as structured tetrahedra, quadratic functions on them, and points to read."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ import numpy as np
 import trimesh
 from scipy.sparse import csr_array
 from skfem import Basis, ElementTetP2, FacetBasis, MeshTet
-
-SHAPES = ("block", "plate", "cylinder", "ell", "dome")
 
 
 def body_mesh(shape: str) -> MeshTet:
@@ -45,6 +43,18 @@ def body_mesh(shape: str) -> MeshTet:
             x, y, z = mesh.p
             height = 0.006 + 0.012 * np.exp(-1.5 * (x**2 + 0.6 * y**2))
             return MeshTet(np.stack([0.02 * x, 0.017 * y, z * height - 0.008]), mesh.t)
+        case "arch":
+            mesh = MeshTet.init_tensor(axis(-0.018, 0.018, 12), axis(-0.6, 0.6, 14), axis(-1, 1, 6))
+            x, angle, z = mesh.p
+            radius = 0.028 + 0.0045 * z
+            ring = np.stack([radius * np.sin(angle), radius * np.cos(angle) - 0.028])
+            return MeshTet(np.stack([x, *ring]), mesh.t)
+        case "wedge":
+            mesh = MeshTet.init_tensor(
+                axis(-0.022, 0.022, 15), axis(-0.014, 0.014, 10), axis(0, 1, 6)
+            )
+            x, y, z = mesh.p
+            return MeshTet(np.stack([x, y, 0.006 + (z - 1) * (0.0105 + 0.25 * x)]), mesh.t)
     raise ValueError(f"no body is called {shape}")
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -25,9 +26,16 @@ SHAPES = {
     "cylinder": ("titanium", "steel"), "ell": ("steatite", "steel"),
     "dome": ("titanium", "steatite"),
 }  # fmt: skip
+OTHERS = {"arch": ("glass", "bronze"), "wedge": ("bronze", "glass")}
+"""Bodies and materials on which nothing was settled: they were made when the search was done."""
+
+CURVED = ("dome", "arch")
+"""Bodies on which no lamp meets a flat face."""
+
 MATERIALS = {
     "steel": (7900.0, 500.0, 15.1), "titanium": (4430.0, 560.0, 6.7),
-    "steatite": (2700.0, 900.0, 2.8),
+    "steatite": (2700.0, 900.0, 2.8), "glass": (2500.0, 840.0, 1.0),
+    "bronze": (8800.0, 380.0, 60.0),
 }  # fmt: skip
 NOISES = {"white": (0.05, 0.0, 0.0), "pattern": (0.05, 0.05, 0.0), "correlated": (0.05, 0.03, 0.4)}
 """By kind: of a reading [K], of a sample [K], correlation from frame to frame [1]."""
@@ -69,9 +77,12 @@ class Case:
         return f"{self.group}-{made}-{self.shape}-{self.material}-{self.noise}-{self.seed}"
 
 
-def cases(clean: int, draws: int) -> list[Case]:
+def cases(
+    clean: int, draws: int, bodies: Mapping[str, tuple[str, str]] = MappingProxyType(SHAPES)
+) -> list[Case]:
     """The suite, body by body: those of one body share meshes and compiled programs."""
-    shapes, noises = list(SHAPES), list(NOISES)
+    shapes, noises = list(bodies), list(NOISES)
+    flat = next(one for one in shapes if one not in CURVED)
     groups = [("clean", clean, ((),)), ("within", draws, tuple((one,) for one in WITHIN))]
     groups += [("outside", draws, tuple((one,) for one in OUTSIDE)), ("pair", draws // 2, PAIRS)]
     found = []
@@ -79,10 +90,10 @@ def cases(clean: int, draws: int) -> list[Case]:
         for number, makers in enumerate(all_):
             for seed in range(count):
                 turn = seed + 2 * number
-                shape = shapes[turn % 5]
-                if in_depth_absorption in makers and shape == "dome":
-                    shape = "block"  # its light is absorbed below a flat face
-                material = SHAPES[shape][turn // 5 % 2]
+                shape = shapes[turn % len(shapes)]
+                if in_depth_absorption in makers and shape in CURVED:
+                    shape = flat  # its light is absorbed below a flat face
+                material = bodies[shape][turn // len(shapes) % 2]
                 noise = noises[(turn // 10 + turn) % 3]
                 found.append(Case(group, shape, material, noise, seed, makers))
     return sorted(found, key=lambda one: (one.shape, one.material))
