@@ -25,7 +25,7 @@ from thermo.discover._entries import entries
 from thermo.discover._extended import readings
 from thermo.discover._library import library, setting_of
 from thermo.discover._pace import silent
-from thermo.discover._search import scored
+from thermo.discover._scoring import scored
 from thermo.inverse import Meshing, Prior, Stepping, Uniform, make_objective, unfitted
 
 

@@ -15,7 +15,7 @@ from thermo.discover._allowance import allowance
 from thermo.discover._bench import Bench
 from thermo.discover._descent import Ended
 from thermo.discover._extended import Extended
-from thermo.discover._search import Standing
+from thermo.discover._standing import Standing
 from thermo.fields import QUANTITIES
 from thermo.inverse import (
     Case,

@@ -24,7 +24,8 @@ from thermo.discover import (
     _bench,
     _discover,
     _path,
-    _search,
+    _scoring,
+    _standing,
     discover,
     forget,
     load_effects,
@@ -177,7 +178,7 @@ def counted() -> Iterator[list[str]]:
 
     with pytest.MonkeyPatch.context() as patch:
         for room, name in [
-            (_search, "descend"), (_search, "signatures"), (_bench, "finer_readings"),
+            (_standing, "descend"), (_scoring, "signatures"), (_bench, "finer_readings"),
             (_bench, "readings"), (_path, "calibration"),
         ]:  # fmt: skip
             patch.setattr(room, name, counting(name, getattr(room, name)))

@@ -22,7 +22,7 @@ from thermo.discover._extended import Extended
 from thermo.discover._pace import silent
 from thermo.discover._path import SearchPath, search, twice
 from thermo.discover._scores import Score, ScoreTable
-from thermo.discover._search import Standing
+from thermo.discover._standing import Standing
 from thermo.discover.candidates import CameraDrift, HiddenSource, Void
 from thermo.errors import InputError
 from thermo.inverse import Ready

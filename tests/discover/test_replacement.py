@@ -13,9 +13,10 @@ from verdicts import one_round
 from thermo.discover import Card, _replacement
 from thermo.discover._entries import Entry
 from thermo.discover._pace import Pace
+from thermo.discover._refits import Refit
 from thermo.discover._replacement import replaced, rivals_of
 from thermo.discover._scores import Score
-from thermo.discover._search import Refit, Standing
+from thermo.discover._standing import Standing
 
 FIRST, LATER = ("hidden_source", 0), ("void", 2)
 MOST = 12.0

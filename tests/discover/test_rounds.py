@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from standings import standing
+from standings import VALUES, standing
 from verdicts import SOURCE, one_round
 
 from thermo.discover import _rounds
 from thermo.discover._entries import Entry
-from thermo.discover._rounds import make_round, with_joint_effects
+from thermo.discover._refits import Refit
+from thermo.discover._rounds import evidence, make_round, with_joint_effects
 from thermo.discover._scores import Score, ScoreTable
-from thermo.discover._search import Refit
 
 
 @pytest.mark.parametrize(("parts", "chance"), [(1, 0.0455), (10, 0.455), (100, 1.0)])
@@ -53,3 +53,10 @@ def test_rounds_go_on_from_what_was_left_and_end_with_the_last_fit(
     assert [one.rms_before["lamp"] for one in made] == ends[:-1]
     assert [one.rms_after["lamp"] for one in made] == ends[1:]
     assert [one.effect.strength for one in made] == list(range(count))
+
+
+def test_evidence_pays_the_logarithm_of_the_readings_for_each_that_is_free() -> None:
+    before = standing(100.0, 2).ended
+    found = evidence(before, {"few": standing(90.0, 3).ended, "many": standing(90.0, 6).ended})
+    assert found["few"] == pytest.approx(-10.0 + np.log(VALUES))
+    assert found["many"] - found["few"] == pytest.approx(3 * np.log(VALUES))

@@ -20,8 +20,9 @@ from thermo.discover import Calibration, HeldOut, _told_apart
 from thermo.discover._bench import Bench
 from thermo.discover._pace import silent
 from thermo.discover._path import SearchPath
+from thermo.discover._refits import Refit
 from thermo.discover._scores import ScoreTable
-from thermo.discover._search import Refit, Standing
+from thermo.discover._standing import Standing
 from thermo.discover._told_apart import excluded, half_and_third, refuted, told_apart
 from thermo.inverse import Ready
 from thermo.mesh import box_mesh

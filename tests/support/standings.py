@@ -8,8 +8,8 @@ from thermo.discover._allowance import Allowance
 from thermo.discover._descent import Ended
 from thermo.discover._entries import Active
 from thermo.discover._extended import Extended
-from thermo.discover._search import Standing
 from thermo.discover._softening import Block
+from thermo.discover._standing import Standing
 
 FRAMES, SAMPLES = 8, 5
 VALUES = FRAMES * SAMPLES

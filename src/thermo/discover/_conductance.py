@@ -10,7 +10,7 @@ import numpy as np
 
 from thermo.discover._candidate import AbstractHeatCandidate
 from thermo.discover._entries import Active, entry_of
-from thermo.discover._search import Standing, with_few_places
+from thermo.discover._standing import Standing, with_few_places
 from thermo.inverse import case_model, with_fields
 from thermo.physics.effects import Contact, Convection
 

@@ -32,8 +32,8 @@ from thermo.discover._path import SearchPath, search
 from thermo.discover._power import powers
 from thermo.discover._registered import registered
 from thermo.discover._rounds import candidacies
-from thermo.discover._search import Standing, at_work, fitted
 from thermo.discover._softening import blocks, error_columns, stamp_columns
+from thermo.discover._standing import Standing, at_work, fitted
 from thermo.discover._told_apart import told_apart
 from thermo.discover._trace import traces
 from thermo.discover._verdict import HeldOut, Verdict

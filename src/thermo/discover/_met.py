@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from thermo.discover._bench import read_there, steps_for
-from thermo.discover._search import Standing, with_few_places
+from thermo.discover._standing import Standing, with_few_places
 from thermo.inverse import Estimate, RunFit, defect_sizes, recovered, staying, with_fields
 from thermo.observe import estimate_noise
 

@@ -16,6 +16,7 @@ from thermo.discover._entries import Active
 from thermo.discover._pace import Pace
 from thermo.discover._place_doubt import ELSEWHERE, undoubted, with_doubt
 from thermo.discover._projection import projection
+from thermo.discover._refits import Refit, refits, with_all
 from thermo.discover._replacement import replaced, rivals_of
 from thermo.discover._rounds import (
     effect_of,
@@ -25,18 +26,8 @@ from thermo.discover._rounds import (
     with_joint_effects,
 )
 from thermo.discover._scores import ScoreTable, credible
-from thermo.discover._search import (
-    BY_SHAPES,
-    WORTH,
-    Refit,
-    Standing,
-    fitted,
-    refits,
-    scored,
-    share_closed,
-    with_all,
-    without,
-)
+from thermo.discover._scoring import scored
+from thermo.discover._standing import BY_SHAPES, WORTH, Standing, fitted, share_closed, without
 from thermo.discover._verdict import Effect, Round, Word
 from thermo.errors import InputError
 from thermo.inverse import FINER

@@ -14,7 +14,7 @@ from thermo.discover._bench import read_there, steps_for
 from thermo.discover._candidate import Transition, Where
 from thermo.discover._entries import Active
 from thermo.discover._extended import Extended, whitened
-from thermo.discover._search import Standing, box_of, fitted, with_few_places
+from thermo.discover._standing import Standing, box_of, fitted, with_few_places
 
 ELSEWHERE: Final = 0.15
 """As much of an effect may be elsewhere than its place says [1]."""

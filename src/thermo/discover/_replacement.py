@@ -7,8 +7,9 @@ from dataclasses import replace
 
 from thermo.discover._entries import Active
 from thermo.discover._pace import Pace
+from thermo.discover._refits import Refit, in_place_of, near_best
 from thermo.discover._rounds import behind, effect_of
-from thermo.discover._search import Refit, Standing, in_place_of, near_best
+from thermo.discover._standing import Standing
 from thermo.discover._verdict import Round
 
 Rivals = Mapping[Active, Sequence[Refit]]

@@ -14,8 +14,9 @@ from thermo.discover._conductance import conductance_of
 from thermo.discover._descent import Ended
 from thermo.discover._entries import Active, Entry, entry_of
 from thermo.discover._met import met_runs
+from thermo.discover._refits import Refit
 from thermo.discover._scores import ScoreTable, best_of_kinds
-from thermo.discover._search import Refit, Standing, free_of, share_closed
+from thermo.discover._standing import Standing, free_of, share_closed
 from thermo.discover._verdict import Candidacy, Effect, Round
 from thermo.inverse import NORMAL
 from thermo.mesh import face_areas

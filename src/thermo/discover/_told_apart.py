@@ -13,8 +13,9 @@ from thermo.discover._held_out import held_out
 from thermo.discover._pace import Pace
 from thermo.discover._path import SearchPath, verdict_of
 from thermo.discover._place_doubt import ELSEWHERE, undoubted, with_doubt
+from thermo.discover._refits import with_all
 from thermo.discover._rounds import effect_of, rms, with_joint_effects
-from thermo.discover._search import Standing, with_all
+from thermo.discover._standing import Standing
 from thermo.discover._verdict import HeldOut
 from thermo.inverse import FINER, NORMAL, mesh_for
 

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy.lib.stride_tricks import sliding_window_view
 
-from thermo.discover._search import Standing
+from thermo.discover._standing import Standing
 
 # Draws of noise that a chance is read from [1]; the largest lag over the length of a run [1].
 _DRAWS: Final = 2000

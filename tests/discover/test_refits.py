@@ -2,46 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from lit_box import MESH, STATED, within
 from standings import VALUES, standing
 
-from thermo.discover import Place, Transition
-from thermo.discover import _search as module
+from thermo.discover import Place
+from thermo.discover import _refits as module
 from thermo.discover._bench import Bench
 from thermo.discover._candidate import Card
 from thermo.discover._entries import Entry
 from thermo.discover._extended import Extended
 from thermo.discover._pace import silent
-from thermo.discover._rounds import evidence, simplest_first, together
-from thermo.discover._scores import Score, ScoreTable
-from thermo.discover._search import (
+from thermo.discover._refits import (
     Refit,
-    Standing,
     could_reach,
-    fitted,
     in_order,
     in_place_of,
     near_best,
     on_same_cells,
     refits,
-    scored,
-    share_closed,
     worth_a_refit,
 )
+from thermo.discover._rounds import simplest_first, together
+from thermo.discover._scores import Score, ScoreTable
+from thermo.discover._standing import Standing
 from thermo.discover.candidates import (
     HeaterPower,
     HiddenSource,
-    LatentHeat,
-    TemperatureDependentConductivity,
     Void,
 )
 from thermo.inverse import Ready
@@ -177,28 +170,6 @@ def test_a_rival_counts_by_the_less_that_it_leaves(
     assert found.name() == "one" and 2 * found.standing.ended.loss() == pytest.approx(kept)
 
 
-def test_what_is_left_is_never_less_than_noise() -> None:
-    assert standing(50.0, 2, smooth=0.2).misfit() == 1.0
-    assert standing(50.0, 2, smooth=7.0).misfit() == pytest.approx(7.0)
-
-
-def test_the_share_closed_is_of_what_is_beyond_noise_and_one_at_the_most() -> None:
-    before = standing(200.0, 2, smooth=101.0)
-    assert share_closed(before, standing(100.0, 3, smooth=51.0)) == pytest.approx(0.5)
-    assert share_closed(before, standing(40.0, 3, smooth=0.1)) == 1.0
-    assert share_closed(before, before) == 0.0
-    # A gap within the scatter of one square of noise is no measure: that scatter is.
-    small = standing(60.0, 2, smooth=1.5)
-    assert share_closed(small, standing(60.0, 3)) == pytest.approx(0.5 / np.sqrt(2))
-
-
-def test_evidence_pays_the_logarithm_of_the_readings_for_each_that_is_free() -> None:
-    before = standing(100.0, 2).ended
-    found = evidence(before, {"few": standing(90.0, 3).ended, "many": standing(90.0, 6).ended})
-    assert found["few"] == pytest.approx(-10.0 + np.log(VALUES))
-    assert found["many"] - found["few"] == pytest.approx(3 * np.log(VALUES))
-
-
 @pytest.mark.parametrize(
     ("sizes", "count"),
     [
@@ -279,51 +250,6 @@ def test_where_no_large_score_closes_half_those_behind_are_tried_as_well(
     refits(begun, table, (), silent())
     # A place may bring ten times what a score of 5.9 promises; without one it is five times.
     assert tried == [f"n{at}" for at in range(6 + last)]
-
-
-@pytest.mark.parametrize(
-    "step", [lambda at: fitted(at, times=0), lambda at: scored(at, (), alpha=0.05)]
-)
-def test_fits_and_scores_make_room_for_their_programs(
-    monkeypatch: pytest.MonkeyPatch, step: Callable[[Standing], object]
-) -> None:
-    # Without it a long search came to what the system allows a process, and was aborted.
-    class AskedFor(Exception):
-        pass
-
-    def make_room() -> None:
-        raise AskedFor
-
-    monkeypatch.setattr(module, "make_room", make_room)
-    with pytest.raises(AskedFor):
-        step(standing(60.0, 2))
-
-
-def test_where_all_there_is_stands_at_work_nothing_is_scored() -> None:
-    found = scored(standing(60.0, 2), (), alpha=0.04)
-    assert found.scores == [] and found.unseen == [] and found.threshold > 2
-
-
-def test_laws_are_put_beside_all_kinds_whatever_is_at_work() -> None:
-    source = HiddenSource(jnp.zeros(3), Place(jnp.zeros((3, 3)), jnp.ones(3)))
-    law = TemperatureDependentConductivity(jnp.zeros(1))
-    bells = Transition(jnp.array([300.0, 320.0, 340.0]), jnp.full(3, 5.0))
-    phases = LatentHeat(jnp.zeros(3), bells, jnp.asarray(1e3))
-    shapes = []
-    for active in ((), (("hidden_source", 2),)):
-        one = standing(60.0, 2, active=active)
-        for name, value in {
-            "point": Extended({}, (source,)),
-            "first": {"hidden_source": source, law.card.name: law, phases.card.name: phases},
-            "bench": object.__new__(Bench),
-        }.items():
-            object.__setattr__(one, name, value)
-        beside, found = module._law_entries(one, (law, phases))
-        # Every transition is scored: one elsewhere may hardly show in what was read.
-        scored_there = [(law.card.name, 0), *((phases.card.name, part) for part in range(3))]
-        assert [(each.card.name, each.part) for each in found] == scored_there
-        shapes.append([leaf.shape for leaf in jax.tree.leaves(beside)])
-    assert shapes[0] == shapes[1], "another shape would be another program"
 
 
 @pytest.mark.parametrize("known", [True, False])

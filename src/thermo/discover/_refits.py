@@ -1,0 +1,202 @@
+"""Candidates put to work one by one, and compared."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final, final
+
+import numpy as np
+
+from thermo.discover._candidate import Candidate
+from thermo.discover._descent import Ended
+from thermo.discover._pace import MEASURE, REFIT, Pace
+from thermo.discover._scores import Score, ScoreTable, best_of_kinds, credible
+from thermo.discover._scoring import beside_laws, merged
+from thermo.discover._standing import BY_SHAPES, WORTH, Standing, fitted, share_closed, without
+
+# Of a few kinds each is refitted whose score explains this share of what the best one does, and
+# all whose score explains another share of it [1]: far from where scores are linear they rank
+# kinds but roughly.
+_FEW: Final = 6
+_SHOWS: Final = 0.05
+_ALL: Final = 0.5
+# What a fit may gain over what its score promises [1]: where there is a place, it moves.
+_MORE: Final = 5.0
+_MORE_WITH_PLACE: Final = 10.0
+# Kinds near the best of which what cells make wrong is measured anew [1].
+_MEASURED: Final = 3
+# Of what the best gains by the criterion, how far behind one may be to be measured anew [1].
+_NEAR: Final = 0.3
+
+
+@final
+@dataclass(frozen=True)
+class Refit:
+    """A candidate put to work: its score before, and where the fit stands with it."""
+
+    score: Score
+    standing: Standing
+
+    def name(self) -> str:
+        """Of the candidate."""
+        return self.score.name()
+
+
+def refits(
+    standing: Standing, table: ScoreTable, laws: tuple[Candidate, ...], pace: Pace
+) -> list[Refit]:
+    """The credible candidates put to work one by one, the best first.
+
+    A score ranks what has a place, in the body or on the scale of temperature, by where it was
+    looked for at first. Where none of those with large scores closes enough and what is left is no
+    noise, the others are tried as well.
+    """
+    order = best_of_kinds([one for one in table.scores if credible(one, table.threshold)])
+    worth = worth_a_refit(order)
+    made = _all_put_to_work(standing, worth, [], laws, pace)
+    if made and not any(_explains(standing, one.standing) for one in made):
+        tried = {one.name() for one in worth}
+        rest = [one for one in order if one.name() not in tried]
+        made = _all_put_to_work(standing, rest, made, laws, pace)
+    return _measured_anew(standing, made, pace) if made else []
+
+
+def _explains(before: Standing, after: Standing) -> bool:
+    """Whether a fit closes enough of a gap for a search to go on from there, or leaves noise."""
+    return share_closed(before, after) >= WORTH or after.chance() > BY_SHAPES
+
+
+def _all_put_to_work(
+    standing: Standing,
+    worth: list[Score],
+    made: list[Refit],
+    laws: tuple[Candidate, ...],
+    pace: Pace,
+) -> list[Refit]:
+    """Refits made already, and those of all scores that could reach the best of them."""
+    made = list(made)
+    for number, score in enumerate(worth, 1):
+        rival = min((one.standing.ended.loss() for one in made), default=np.inf)
+        placed = standing.first[score.name()].place is not None
+        if not could_reach(score, standing.ended.loss(), rival, placed=placed):
+            continue
+        words = f"refitting {score.name()}, score {score.z:.1f}, {number} of {len(worth)}"
+        # One at least is measured anew, and the best of them once more.
+        pace.step(words, REFIT, {REFIT: len(worth) - number + 1, MEASURE: 2})
+        made.append(_put_to_work(standing, score, laws, rival))
+    return made
+
+
+def worth_a_refit(order: list[Score]) -> list[Score]:
+    """Of the best parts of kinds, the best first, those that a fit could put first [1]."""
+    shares = [(one.z / order[0].z) ** 2 for one in order]
+    return [
+        one
+        for number, (one, share) in enumerate(zip(order, shares, strict=True))
+        if share >= (_SHOWS if number < _FEW else _ALL)
+    ]
+
+
+def could_reach(score: Score, loss: float, rival: float, *, placed: bool) -> bool:
+    """Whether a fit might get from a loss [1] to a rival's, going by its score.
+
+    A score promises z^2 / 2, what a linear model gains by the strength; `placed`: it has a place.
+    """
+    more = _MORE_WITH_PLACE if placed else _MORE
+    return loss - more * score.z**2 / 2 <= rival
+
+
+def _put_to_work(
+    standing: Standing, score: Score, laws: tuple[Candidate, ...], rival: float
+) -> Refit:
+    # From strength zero the first step is the linear one, of fields and strength together.
+    card, point = score.entry.card, standing.point
+    if card.name not in {one.card.name for one in point.candidates}:
+        point = beside_laws(standing, laws)
+    active = (*standing.active, (card.name, score.entry.part))
+    there = replace(standing, point=point, active=active)
+    return Refit(score, fitted(there, times=0, rival=rival))
+
+
+def _once_more(one: Refit, pace: Pace, number: int, count: int) -> Refit:
+    words = f"measuring the cells' error with {one.name()}, {number} of {count}"
+    pace.step(words, MEASURE, {MEASURE: count - number + 1})
+    return replace(one, standing=fitted(one.standing, times=1))
+
+
+def _measured_anew(standing: Standing, made: list[Refit], pace: Pace) -> list[Refit]:
+    """Those near the best, fitted once more with what cells make wrong where they stand."""
+    made = in_order(made)
+    near = near_best(standing.ended, made)
+    count = len(near) + 1
+    again = in_order([_once_more(one, pace, number, count) for number, one in enumerate(near, 1)])
+    again[0] = _once_more(again[0], pace, count, count)
+    # What leaves more than without it, once cells are measured where it stands, fits these alone.
+    sound = [one for one in again if one.standing.ended.loss() < standing.ended.loss()]
+    lost = [one for one in again if sound and all(one is not other for other in sound)]
+    best, *rivals = in_order(sound or again)
+    again = [best, *rivals]
+    if rivals:
+        pace.step("comparing those near the best under the same error of cells")
+        first, *rivals = in_order([best, *(on_same_cells(one, best) for one in rivals)])
+        # One that has passed the best is met by it there once more.
+        again = [first, *(on_same_cells(one, first) if one is best else one for one in rivals)]
+    others = [one for one in made if all(one is not other for other in near)]
+    return in_order(again) + others + lost
+
+
+def _spread(made: list[Refit]) -> float:
+    """What the closest of the refits leaves, counted as noise: its variance [1]."""
+    return min(made, key=lambda one: one.standing.ended.loss()).standing.misfit()
+
+
+def in_order(made: list[Refit]) -> list[Refit]:
+    """Refits by Akaike's criterion, what the closest of them leaves counted as noise."""
+    spread = _spread(made)
+    return sorted(made, key=lambda one: one.standing.ended.criterion(spread))
+
+
+def near_best(before: Ended, made: list[Refit]) -> list[Refit]:
+    """Of refits in order the first, and those behind it by little of what it gains, a few."""
+    spread = _spread(made)
+    first = made[0].standing.ended.criterion(spread)
+    most = first + _NEAR * max(before.criterion(spread) - first, 0.0)
+    return [one for one in made if one.standing.ended.criterion(spread) <= most][:_MEASURED]
+
+
+def in_place_of(standing: Standing, number: int, rival: Refit, most: float) -> Standing:
+    """The standing with a rival at work in place of an effect, fitted anew [1].
+
+    One that cannot come within `most` in squares [1] of where it stands is not followed to its end.
+    """
+    less = without(standing, number)
+    name, part = rival.standing.active[-1]
+    theirs = next(one for one in rival.standing.point.candidates if one.card.name == name)
+    own = merged(less.point.candidates, rival.standing.point.candidates)
+    kept = tuple(theirs if one.card.name == name else one for one in own)
+    active = tuple(
+        (name, part) if place == number else one for place, one in enumerate(standing.active)
+    )
+    there = replace(less, point=replace(less.point, candidates=kept), active=active)
+    # What was fitted less may leave more, for the criterion.
+    worst = standing.ended.loss() + (most / 2 + standing.ended.fitted()) * standing.misfit()
+    return fitted(there, times=0, rival=worst)
+
+
+def on_same_cells(one: Refit, best: Refit) -> Refit:
+    """A refit with what cells make wrong where the best one stands, if it leaves less with that.
+
+    Where a place moves within its cells, their error goes up and down by more than rivals are
+    apart: only under the same error, and from the same places, is it known how far these are.
+    """
+    number = len(best.standing.active) - 1
+    same = replace(one, standing=in_place_of(best.standing, number, one, most=0.0))
+    return min(one, same, key=lambda each: each.standing.ended.loss())
+
+
+def with_all(refit: Refit, before: Standing) -> Standing:
+    """Where a refit stands, among all candidates that there were before it."""
+    found = {one.card.name: one for one in refit.standing.point.candidates}
+    kept = tuple(found.get(one.card.name, one) for one in before.point.candidates)
+    every = merged(kept, refit.standing.point.candidates)
+    return replace(refit.standing, point=replace(refit.standing.point, candidates=every))

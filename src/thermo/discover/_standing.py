@@ -1,0 +1,188 @@
+"""Where a search stands, and least squares from there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Final, final
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.flatten_util import ravel_pytree
+from jaxtyping import Float, Int
+from scipy.stats import chi2
+
+from thermo._compiled import make_room
+from thermo.discover._allowance import Allowance
+from thermo.discover._bench import Bench, corrected, finer_runs, steps_for
+from thermo.discover._candidate import Candidate
+from thermo.discover._descent import Ended, Free, descend
+from thermo.discover._entries import Active, entry_of, field_entries, free_entries, joined
+from thermo.discover._extended import Extended, moved
+from thermo.discover._softening import omnibus
+
+WORTH: Final = 0.5
+"""An effect has to close this share of what is left [1]."""
+
+BY_SHAPES: Final = 0.01
+"""Chance of a false alarm by the misfit in smooth shapes [1]."""
+
+Parts = Int[np.ndarray, " parts"]
+
+
+@final
+@dataclass(frozen=True)
+class Standing:
+    """Where the search stands: a point, which parts of its candidates are at work, and the fit.
+
+    - `first`: every candidate by name, its places where it is looked for at first.
+    - `allowed`: what cells, steps, stamps and the stated model may be wrong by.
+    """
+
+    bench: Bench
+    first: Mapping[str, Candidate]
+    point: Extended
+    active: tuple[Active, ...]
+    ended: Ended
+    allowed: Allowance
+
+    def gap(self) -> tuple[float, int]:
+        """Sum of squares in the smooth shapes, and how many there are [1]."""
+        told, count, _ = omnibus(self.allowed.runs, self.ended.residual)
+        return told, count
+
+    def misfit(self) -> float:
+        """Variance of what is left in the smooth shapes over that of noise, 1 at the least [1]."""
+        told, count = self.gap()
+        return max(1.0, told / count)
+
+    def chance(self) -> float:
+        """Probability of as large a misfit in smooth shapes by chance [1]."""
+        told, count = self.gap()
+        return float(chi2.sf(told, count))
+
+
+def free_of(standing: Standing) -> Free:
+    """Fields and the parts of candidates at work, free [1]."""
+    point = standing.point
+    parts = [
+        free_entries(point, entry_of(point, one), standing.first[one[0]], box_of(standing))
+        for one in standing.active
+    ]
+    first = standing.bench.first(()).fields
+    return joined(field_entries(point, first), *parts)
+
+
+def box_of(standing: Standing) -> Float[np.ndarray, "2 3"]:
+    """The least and the largest coordinates of the body [m]."""
+    nodes = standing.bench.ready.mesh.nodes
+    return np.stack([nodes.min(0), nodes.max(0)])
+
+
+def share_closed(before: Standing, after: Standing) -> float:
+    """Share of what is beyond noise in the smooth shapes that is gone after, 1 at the most [1].
+
+    A gap within the scatter of noise is no measure: that scatter is then.
+    """
+    (told, count), (rest, _) = before.gap(), after.gap()
+    return min(1.0, float((told - rest) / max(told - count, np.sqrt(2 * count))))
+
+
+def without(standing: Standing, number: int) -> Standing:
+    """The standing with one of its effects taken out, not fitted anew [1]."""
+    name, part = standing.active[number]
+    entry = entry_of(standing.point, (name, part))
+    flat = np.asarray(ravel_pytree(standing.point)[0])
+    change = np.zeros(len(flat))
+    change[entry.strengths] = -flat[entry.strengths]
+    active = tuple(one for one in standing.active if one != (name, part))
+    return replace(standing, point=moved(standing.point, change), active=active)
+
+
+def with_few_places(standing: Standing) -> tuple[Standing, dict[str, Parts]]:
+    """The standing with few parts of effects with a place, and which they are [1]."""
+    kept: dict[str, Parts] = {}
+    for one in standing.point.candidates:
+        name = one.card.name
+        busy = sorted(part for other, part in standing.active if other == name)
+        kept[name] = np.array(busy or [0]) if _has_places(one) else np.arange(len(one.strength))
+    candidates = tuple(_take(one, kept[one.card.name]) for one in standing.point.candidates)
+    first = {
+        name: _take(one, kept[name]) if name in kept else one
+        for name, one in standing.first.items()
+    }
+    active = tuple(
+        (
+            name,
+            int(np.searchsorted(kept[name], part)) if _has_places(standing.first[name]) else part,
+        )
+        for name, part in standing.active
+    )
+    point = replace(standing.point, candidates=candidates)
+    return replace(standing, point=point, first=first, active=active), kept
+
+
+def at_work(standing: Standing) -> tuple[Candidate, ...]:
+    """The effects at work, of those with places no more parts than that [SI]."""
+    small, _ = with_few_places(standing)
+    names = {name for name, _ in standing.active}
+    return tuple(one for one in small.point.candidates if one.card.name in names)
+
+
+def _has_places(one: Candidate) -> bool:
+    return one.place is not None and one.place.centre is not None
+
+
+def _take(one: Candidate, parts: Parts) -> Candidate:
+    if not _has_places(one):
+        return one
+    place = jax.tree.map(lambda leaf: leaf[parts], one.place)
+    return replace(one, strength=one.strength[parts], place=place)
+
+
+def _put_back(one: Candidate, few: Candidate, parts: Parts) -> Candidate:
+    if not _has_places(one):
+        return few
+    place = jax.tree.map(lambda all_, some: all_.at[parts].set(some), one.place, few.place)
+    return replace(one, strength=one.strength.at[parts].set(few.strength), place=place)
+
+
+def fitted(standing: Standing, *, times: int, rival: float = np.inf) -> Standing:
+    """Least squares from where it stands; what cells make wrong is measured `times` before [1].
+
+    One that will not reach the loss of a `rival` [1] is not followed to its end.
+
+    Of effects with a place only those at work take part, and one of each other kind: all refits
+    share one program, and it is as small as that allows.
+    """
+    make_room()
+    small, kept = with_few_places(standing)
+    free = free_of(small)
+    for number in range(max(times, 1)):
+        bench = small.bench
+        if number < times:
+            bench = corrected(bench, small.point, finer_runs(bench, small.point))
+        small = replace(small, bench=bench)
+        ended = _descended(small, free, rival)
+        small = replace(small, point=ended.point, ended=ended)
+    back = tuple(
+        _put_back(one, few, kept[one.card.name])
+        for one, few in zip(standing.point.candidates, small.point.candidates, strict=True)
+    )
+    point = replace(small.point, candidates=back)
+    return replace(standing, bench=small.bench, point=point, ended=small.ended)
+
+
+def _descended(standing: Standing, free: Free, rival: float) -> Ended:
+    """Where least squares end [1], or ended before the search was interrupted."""
+    coarse = steps_for(standing.bench.coarse, standing.point)
+    follows = coarse, standing.point, free, standing.allowed, rival
+
+    def anew() -> list[np.ndarray]:
+        ended = descend(*follows)
+        return [np.asarray(ravel_pytree(ended.point)[0]), ended.residual, ended.slopes]
+
+    at, residual, slopes = standing.bench.memory.recalled("fit", follows, anew)
+    _, unravel = ravel_pytree(standing.point)
+    return Ended(unravel(jnp.asarray(at)), residual, slopes)
