@@ -16,7 +16,9 @@ How they are made scenes:
 - The insulation board has couples 5.72, 11.44 and 17.16 mm below its top. What the outer two read
   is prescribed, and the one between is compared with a conductivity that does not change.
 - What a camera may do wrong is left out of the candidates.
-- Half the stated uncertainty, which is of two standard deviations, is the model error.
+- Half the stated uncertainty, which is of two standard deviations, is the model error; in the
+  insulation with half of that of each outer couple beside the middle one's own, as at rest between
+  them it reads their mean.
 """
 
 from __future__ import annotations
@@ -107,7 +109,7 @@ def copper(data: Path, out: Path) -> tuple[float, float]:
 def insulation(data: Path, out: Path) -> tuple[float, float]:
     """Write the scene of the insulation board. Returns as `copper` does."""
     table = read(data, "Black-Insulation_q50_Temp.csv", 7)
-    time, above, middle, below, *doubts = table.T
+    time, above, middle, below, of_above, own, of_below = table.T
     height = 2 * LAYER
     whole = ([-1.0, -1.0], [1.0, 1.0])
     ends = tuple(
@@ -128,7 +130,8 @@ def insulation(data: Path, out: Path) -> tuple[float, float]:
         material=StatedMaterial("Kaowool PM", 256.0, 1070.0, 0.06), convection=0.0, emissivity=0.0,
         unknown=("conductivity",), prior={}, runs={"panel": run},
     ))  # fmt: skip
-    return float(np.mean(doubts)) / 2, float(time[-1])
+    error = np.sqrt(np.mean(own**2 + (of_above**2 + of_below**2) / 4)) / 2
+    return float(error), float(time[-1])
 
 
 CASES: dict[str, Callable[[Path, Path], tuple[float, float]]] = {

@@ -61,7 +61,9 @@ def test_copper_takes_in_the_panel_s_flux_and_loses_nothing(
 def test_insulation_is_held_at_both_ends_and_exchanges_nowhere(
     example: ModuleType, data: Path, tmp_path: Path
 ) -> None:
-    example.insulation(data, tmp_path / "scene")
+    error, _ = example.insulation(data, tmp_path / "scene")
+    # One of the middle couple, and half of one of each of the others.
+    assert error == pytest.approx(np.sqrt(1 + 2 / 4))
     scene = read_scene(tmp_path / "scene")
     run, height = scene.runs["panel"], 2 * example.LAYER
     above, below = run.prescribed
