@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import jax.numpy as jnp
+import numpy as np
 import pytest
+from jax.flatten_util import ravel_pytree
 from lit_box import FRAMES, SIZE, at, one
 
 from thermo.discover import Candidate, Place
 from thermo.discover._conductance import conductance_of
+from thermo.discover._extended import Extended
+from thermo.discover._standing import free_of
 from thermo.discover.candidates import (
     AmbientDrift,
     CameraEmissivity,
@@ -30,8 +34,18 @@ def objective() -> Objective:
 
 
 def taken(objective: Objective, candidate: Candidate) -> float | None:
+    found = told(objective, candidate)
+    return None if found is None else found[0]
+
+
+def told(
+    objective: Objective, candidate: Candidate, ways: np.ndarray | None = None
+) -> tuple[float, float] | None:
+    """With errors of the entries that are free along `ways`, each row one deviation [1]."""
     standing = standing_at(objective, candidate)
-    return conductance_of(standing, standing.active[0])
+    free = free_of(standing)
+    ways = np.zeros((1, len(free.number))) if ways is None else ways
+    return conductance_of(standing, standing.active[0], free, ways.T @ ways)
 
 
 def test_all_over_it_is_h_times_the_surface(objective: Objective) -> None:
@@ -50,6 +64,26 @@ def test_a_support_holds_its_side_and_what_lies_up_to_its_depth(objective: Objec
     found = taken(objective, support)
     # Its edge falls between the points of the rule on faces that are wider than it is deep.
     assert found == pytest.approx(200.0 * (Y * Z + 2 * (Y + Z) * DEPTH), rel=0.08)
+
+
+def test_it_is_known_where_h_and_its_reach_make_up_for_each_other(objective: Objective) -> None:
+    patch = LocalConvection(one(300.0), at((0.01, 0.006, 0.008), 0.002))
+    free = free_of(standing_at(objective, patch))
+    lone = np.zeros((1, len(free.number)))
+    sizes = ravel_pytree(Extended({}, (patch,)))[0]
+    first = len(ravel_pytree(standing_at(objective, patch).point.fields)[0])
+    strength, size = (
+        int(np.flatnonzero(free.number == first + at)[0])
+        for at in (int(np.argmax(sizes == 300.0)), int(np.argmax(sizes == 0.002)))
+    )
+    # A tenth more in the middle, alone.
+    lone[0, strength] = 30.0 / free.scale[strength]
+    found = told(objective, patch, lone)
+    assert found is not None and found[1] == pytest.approx(0.1 * found[0], rel=1e-6)
+    # h times size squared stays as it is on a flat face, far from its ends.
+    lone[0, size] = -0.5 * 0.1 * 0.002 / free.scale[size]
+    both = told(objective, patch, lone)
+    assert both is not None and both[1] < 0.25 * found[1]
 
 
 @pytest.mark.parametrize(

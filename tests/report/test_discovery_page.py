@@ -48,6 +48,7 @@ def found(together: list[str], *, closed: float, place: bool = True) -> dict[str
         "strength": 1.2345, "sd": 0.05, "interval95": [1.1365, 1.3325], "unit": "W",
         "location": {"centre": [0.0123, -0.0045, 0.0], "size": 0.0032} if place else None,
         "conductance": 0.01234 if place else None,
+        "conductance_interval95": [0.0111, 0.0135] if place else None,
         "p_value": 0.0, "gap_closed": closed, "rms_before": {"lamp": 0.7531, "dark": 0.2},
         "rms_after": {"lamp": 0.0521, "dark": 0.05}, "threshold": 4.21,
         "candidates": table(0.0, 0.371),
@@ -177,7 +178,7 @@ def test_a_named_effect_is_told_with_its_strength_and_place() -> None:
     page = discovery_page(record("named"), "A block")
     cells = _Checker(page).cells
     row = ["1", "hidden source", "1.234 W", "1.137 to 1.333 W",
-           "(12.3, -4.5, 0.0), size 3.2; 0.0123 W/K in all",
+           "(12.3, -4.5, 0.0), size 3.2; 0.0123 W/K (0.0111 to 0.0135) in all",
            "below 1e-300", "98.7 %", "lamp: 0.753 to 0.0521; dark: 0.2 to 0.05"]  # fmt: skip
     assert cells[: len(row)] == row
     assert "below 1e-300 before the first round, 0.42 after the last" in page

@@ -53,7 +53,7 @@ def test_the_contract_of_a_round() -> None:
     (one,) = discovery_record(verdict("named"))["rounds"]
     assert one["named"] == one["set"] == ["hidden_source"] and one["unit"] == "W"
     assert one["location"] == {"centre": [0.01, 0.0, 0.004], "size": 0.005}
-    assert one["conductance"] is None
+    assert one["conductance"] is one["conductance_interval95"] is None
     assert one["rms_before"]["lamp"] == 0.5 and one["rms_after"]["lamp"] == 0.05
     (other,) = discovery_record(verdict("inseparable"))["rounds"]
     assert other["named"] == [] and other["set"] == ["hidden_source", "sensor_lag"]
@@ -117,10 +117,15 @@ def test_what_reads_alike_is_told_beside_an_effect() -> None:
 def test_a_film_is_told_over_all_of_its_place() -> None:
     made = verdict("named")
     (one,) = made.rounds
-    film = replace(one.effect, card=SupportContact.card, conductance=0.03141)
+    film = replace(
+        one.effect, card=SupportContact.card, conductance=0.03141, conductance95=(0.0251, 0.0377)
+    )
     told = discovery_record(replace(made, rounds=[replace(one, effect=film)]))
     assert told["rounds"][0]["conductance"] == 0.03141
-    assert told["sentences"][0].endswith("at (10.0, 0.0, 4.0) mm, 0.0314 W/K in all.")
+    assert told["rounds"][0]["conductance_interval95"] == [0.0251, 0.0377]
+    assert told["sentences"][0].endswith(
+        "at (10.0, 0.0, 4.0) mm, 0.0314 W/K [0.0251, 0.0377] in all."
+    )
 
 
 def test_where_nothing_explains_the_gap_residuals_are_those_of_the_stated_model() -> None:

@@ -7,38 +7,66 @@ from dataclasses import replace
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.flatten_util import ravel_pytree
+from jaxtyping import Array, Float
 
 from thermo.discover._candidate import AbstractHeatCandidate
+from thermo.discover._descent import Free
 from thermo.discover._entries import Active, entry_of
-from thermo.discover._standing import Standing, with_few_places
+from thermo.discover._extended import Extended
+from thermo.discover._standing import Standing
 from thermo.inverse import case_model, with_fields
 from thermo.physics.effects import Contact, Convection
 
 
-def conductance_of(standing: Standing, active: Active) -> float | None:
-    """The integral of h over all of its place [W/K]; None where an effect adds no h [W/m2/K].
+def conductance_of(
+    standing: Standing,
+    active: Active,
+    free: Free,
+    covariance: Float[np.ndarray, "free free"],
+) -> tuple[float, float] | None:
+    """The integral of h over all of a place, and its standard deviation [W/K].
 
-    Readings tell it better than h in the middle of a place, whose edge is a guess.
+    None where an effect adds no h [W/m2/K]. Readings tell it better than h in the middle of a
+    place, whose edge is a guess: where h and its reach make up for each other it is known all the
+    same. Arguments: `free`, `covariance`: the entries that were fitted, and of these over their
+    scales [1].
+
+    Source: Seber and Wild, Nonlinear Regression (1989), section 5.1, errors of a function of what
+    was fitted, linearised.
     """
-    small, _ = with_few_places(standing)
-    number = standing.active.index(active)
-    entry = entry_of(small.point, small.active[number])
-    candidate = small.point.candidates[entry.kind]
+    flat, unravel = ravel_pytree(standing.point)
+
+    def whole(flat: Float[Array, " entries"]) -> Float[Array, ""] | None:
+        return _taken(standing, active, unravel(flat))
+
+    value = whole(flat)
+    if value is None:
+        return None
+    slope = np.asarray(jax.grad(whole)(flat))[free.number] * free.scale
+    return float(value), float(np.sqrt(slope @ covariance @ slope))
+
+
+def _taken(standing: Standing, active: Active, point: Extended) -> Float[Array, ""] | None:
+    """The integral of h over all of the place of an effect at a point [W/K]."""
+    entry = entry_of(standing.point, active)
+    candidate = point.candidates[entry.kind]
     if not isinstance(candidate, AbstractHeatCandidate):
         return None
     if not entry.card.joint:
         alone = jnp.zeros_like(candidate.strength).at[entry.part]
         candidate = replace(candidate, strength=alone.set(candidate.strength[entry.part]))
-    objective = small.bench.coarse
+    objective = standing.bench.coarse
     case = jax.tree.map(lambda leaf: leaf[0], objective.cases[0])
-    model = case_model(objective, with_fields(objective, small.point.fields), case)
+    model = case_model(objective, with_fields(objective, standing.point.fields), case)
     added = candidate.to_model(model, case.under).surface[len(model.surface) :]
-    whole = [np.asarray(_film(one)) for one in added if isinstance(one, Convection | Contact)]
-    if not whole:
+    films = [jnp.asarray(_film(one)) for one in added if isinstance(one, Convection | Contact)]
+    if not films:
         return None
-    weight = np.asarray(objective.space.face_weight)
-    return float(sum((one.reshape(len(one), -1) * weight).sum() for one in whole))
+    weight = objective.space.face_weight
+    each = [jnp.sum(one.reshape(len(one), -1) * weight) for one in films]
+    return jnp.sum(jnp.stack(each))
 
 
-def _film(effect: Convection | Contact) -> jax.Array:
+def _film(effect: Convection | Contact) -> Array | np.ndarray:
     return effect.coefficient if isinstance(effect, Convection) else effect.conductance

@@ -149,11 +149,20 @@ def effect_of(
     centre, size = _place(standing, entry)
     band = candidate.place if isinstance(candidate.place, Transition) else None
     at = None if band is None else (float(band.centre[entry.part]), float(band.size[entry.part]))
-    ends = np.clip([value - NORMAL * sd, value + NORMAL * sd], entry.card.low, entry.card.high)
+    whole = conductance_of(standing, active, free, covariance)
+    low, high = entry.card.low, entry.card.high
     return Effect(
-        entry.card, value, sd, (float(ends[0]), float(ends[1])), centre, size, at,
-        conductance_of(standing, active), joint, chance=chance,
+        entry.card, value, sd, _within(value, sd, low, high), centre, size, at,
+        None if whole is None else whole[0],
+        None if whole is None else _within(*whole, 0.0 if low >= 0 else -np.inf, np.inf),
+        joint, chance=chance,
     )  # fmt: skip
+
+
+def _within(value: float, sd: float, low: float, high: float) -> tuple[float, float]:
+    """In which a value is in 95 % of cases, between what there can be."""
+    ends = np.clip([value - NORMAL * sd, value + NORMAL * sd], low, high)
+    return float(ends[0]), float(ends[1])
 
 
 def with_joint_effects(rounds: list[Round], last: Standing, doubted: Standing) -> list[Round]:

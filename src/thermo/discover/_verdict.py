@@ -26,7 +26,8 @@ class Effect:
     - `centre`: (3,) [m], `size`: [m]; None where the effect has no place.
     - `chance`: of strengths as large by the scatter of the fit alone, all of a joint effect [1].
     - `transition`: middle and width on the scale of temperature [K], or None.
-    - `conductance`: over all of its place [W/K]; None where it adds no convection and no contact.
+    - `conductance`: over all of its place [W/K], and in which interval it is in 95 % of cases; None
+      where it adds no convection and no contact.
     - `strengths`: of a joint effect, as a history, all in their order; `strength` is the last.
     """
 
@@ -38,6 +39,7 @@ class Effect:
     size: float | None
     transition: tuple[float, float] | None = None
     conductance: float | None = None
+    conductance95: tuple[float, float] | None = None
     strengths: tuple[float, ...] = ()
     chance: float = field(kw_only=True)
 

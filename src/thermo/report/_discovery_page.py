@@ -84,7 +84,7 @@ def _rounds(record: Record) -> str:
             _what(one, record["verdict"]),
             _amount(one["strength"], one["unit"]),
             _amount(" to ".join(_number(end) for end in one["interval95"]), one["unit"]),
-            _place(one["location"], one["conductance"]),
+            _place(one["location"]) + _whole(one),
             _chance(one["p_value"]),
             _share(one["gap_closed"]),
             _falls(one["rms_before"], one["rms_after"]),
@@ -114,13 +114,20 @@ def _what(one: Record, verdict: str) -> str:
     return f"{words} (the closest, not named)" if verdict == "none_of_mine" else words
 
 
-def _place(found: Record | None, conductance: float | None) -> str:
-    """Where an effect is and how far it reaches [mm], from metres, and what it takes [W/K]."""
-    whole = "" if conductance is None else f"; {conductance:.3g} W/K in all"
+def _place(found: Record | None) -> str:
+    """Where an effect is and how far it reaches [mm], from metres."""
     if found is None:
-        return f"no place{whole}"
+        return "no place"
     centre = ", ".join(f"{1e3 * one:.1f}" for one in found["centre"])
-    return f"({centre}), size {1e3 * found['size']:.1f}{whole}"
+    return f"({centre}), size {1e3 * found['size']:.1f}"
+
+
+def _whole(one: Record) -> str:
+    """What an effect takes over all of its place [W/K]."""
+    if one["conductance"] is None:
+        return ""
+    ends = " to ".join(_number(end, ".3g") for end in one["conductance_interval95"])
+    return f"; {_number(one['conductance'], '.3g')} W/K ({ends}) in all"
 
 
 def _falls(before: Mapping[str, float], after: Mapping[str, float]) -> str:

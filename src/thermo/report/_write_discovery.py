@@ -173,6 +173,7 @@ def _round(one: Round, explains: bool) -> dict[str, Any]:
         if effect.transition is None
         else dict(zip(("temperature", "width"), effect.transition, strict=True)),
         "conductance": effect.conductance,
+        "conductance_interval95": effect.conductance95 and list(effect.conductance95),
         "p_value": one.p_value,
         "gap_closed": one.closed,
         "rms_before": dict(one.rms_before),
@@ -243,7 +244,10 @@ def _named(effect: Effect) -> str:
         place = f", at ({at}) mm"
     if effect.transition is not None:
         place = ", at {:.4g} K, over {:.2g} K".format(*effect.transition)
-    whole = "" if effect.conductance is None else f", {effect.conductance:.3g} W/K in all"
+    whole = ""
+    if effect.conductance is not None and effect.conductance95 is not None:
+        ends = "[{:.3g}, {:.3g}]".format(*effect.conductance95)
+        whole = f", {effect.conductance:.3g} W/K {ends} in all"
     known = effect.card.alike and effect.strength > 0
     alike = f" It may as well be {effect.card.alike}." if known else ""
     return (
