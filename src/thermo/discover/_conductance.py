@@ -10,11 +10,11 @@ import numpy as np
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
-from thermo.discover._candidate import AbstractHeatCandidate
+from thermo.discover._candidate import AbstractHeatCandidate, Candidate
 from thermo.discover._descent import Free
-from thermo.discover._entries import Active, entry_of
+from thermo.discover._entries import Active, Entry, entry_of
 from thermo.discover._extended import Extended
-from thermo.discover._standing import Standing
+from thermo.discover._standing import Standing, has_places, take
 from thermo.inverse import case_model, with_fields
 from thermo.physics.effects import Contact, Convection
 
@@ -50,12 +50,9 @@ def conductance_of(
 def _taken(standing: Standing, active: Active, point: Extended) -> Float[Array, ""] | None:
     """The integral of h over all of the place of an effect at a point [W/K]."""
     entry = entry_of(standing.point, active)
-    candidate = point.candidates[entry.kind]
+    candidate = _alone(point.candidates[entry.kind], entry)
     if not isinstance(candidate, AbstractHeatCandidate):
         return None
-    if not entry.card.joint:
-        alone = jnp.zeros_like(candidate.strength).at[entry.part]
-        candidate = replace(candidate, strength=alone.set(candidate.strength[entry.part]))
     objective = standing.bench.coarse
     case = jax.tree.map(lambda leaf: leaf[0], objective.cases[0])
     model = case_model(objective, with_fields(objective, standing.point.fields), case)
@@ -66,6 +63,16 @@ def _taken(standing: Standing, active: Active, point: Extended) -> Float[Array, 
     weight = objective.space.face_weight
     each = [jnp.sum(one.reshape(len(one), -1) * weight) for one in films]
     return jnp.sum(jnp.stack(each))
+
+
+def _alone(candidate: Candidate, entry: Entry) -> Candidate:
+    """A candidate of which one part is at work [SI]."""
+    if has_places(candidate):
+        return take(candidate, np.array([entry.part]))
+    if entry.card.joint:
+        return candidate
+    alone = jnp.zeros_like(candidate.strength).at[entry.part]
+    return replace(candidate, strength=alone.set(candidate.strength[entry.part]))
 
 
 def _film(effect: Convection | Contact) -> Array | np.ndarray:

@@ -106,16 +106,15 @@ def with_few_places(standing: Standing) -> tuple[Standing, dict[str, Parts]]:
     for one in standing.point.candidates:
         name = one.card.name
         busy = sorted(part for other, part in standing.active if other == name)
-        kept[name] = np.array(busy or [0]) if _has_places(one) else np.arange(len(one.strength))
-    candidates = tuple(_take(one, kept[one.card.name]) for one in standing.point.candidates)
+        kept[name] = np.array(busy or [0]) if has_places(one) else np.arange(len(one.strength))
+    candidates = tuple(take(one, kept[one.card.name]) for one in standing.point.candidates)
     first = {
-        name: _take(one, kept[name]) if name in kept else one
-        for name, one in standing.first.items()
+        name: take(one, kept[name]) if name in kept else one for name, one in standing.first.items()
     }
     active = tuple(
         (
             name,
-            int(np.searchsorted(kept[name], part)) if _has_places(standing.first[name]) else part,
+            int(np.searchsorted(kept[name], part)) if has_places(standing.first[name]) else part,
         )
         for name, part in standing.active
     )
@@ -130,19 +129,21 @@ def at_work(standing: Standing) -> tuple[Candidate, ...]:
     return tuple(one for one in small.point.candidates if one.card.name in names)
 
 
-def _has_places(one: Candidate) -> bool:
+def has_places(one: Candidate) -> bool:
+    """Whether a candidate's parts are places in the body, or on the scale of temperature."""
     return one.place is not None and one.place.centre is not None
 
 
-def _take(one: Candidate, parts: Parts) -> Candidate:
-    if not _has_places(one):
+def take(one: Candidate, parts: Parts) -> Candidate:
+    """A candidate with some of its places alone; one without places stays as it is [SI]."""
+    if not has_places(one):
         return one
     place = jax.tree.map(lambda leaf: leaf[parts], one.place)
     return replace(one, strength=one.strength[parts], place=place)
 
 
 def _put_back(one: Candidate, few: Candidate, parts: Parts) -> Candidate:
-    if not _has_places(one):
+    if not has_places(one):
         return few
     place = jax.tree.map(lambda all_, some: all_.at[parts].set(some), one.place, few.place)
     return replace(one, strength=one.strength.at[parts].set(few.strength), place=place)
