@@ -16,7 +16,7 @@ from thermo.discover import Place
 from thermo.discover import _refits as module
 from thermo.discover._bench import Bench
 from thermo.discover._candidate import Card
-from thermo.discover._entries import Entry
+from thermo.discover._entries import Active, Entry
 from thermo.discover._extended import Extended
 from thermo.discover._pace import silent
 from thermo.discover._refits import (
@@ -223,17 +223,18 @@ def test_the_search_leaves_what_could_not_reach_the_best(monkeypatch: pytest.Mon
 
 
 @pytest.mark.parametrize(
-    ("left", "last"),
+    ("left", "active", "last"),
     [
-        (1.0, False),  # no more than noise
-        (45.0, False),  # more than half is closed
-        (60.0, True),
+        (1.0, (), False),  # no more than noise
+        (45.0, (), False),  # more than half is closed
+        (60.0, (), True),
+        (60.0, (("n8", 0),), False),  # beside what was found
     ],
 )
 def test_where_no_large_score_closes_half_those_behind_are_tried_as_well(
-    monkeypatch: pytest.MonkeyPatch, left: float, last: bool
+    monkeypatch: pytest.MonkeyPatch, left: float, active: tuple[Active, ...], last: bool
 ) -> None:
-    begun = standing(400.0, 1, smooth=100.0)
+    begun = standing(400.0, 1, smooth=100.0, active=active)
     sizes = [12.0, 7.0, 6.9, 6.8, 6.7, 6.6, 5.9, 5.8]
     scores = [replace(refit(f"n{at}", 60.0, 2).score, z=z) for at, z in enumerate(sizes)]
     places = {one.name(): SimpleNamespace(place=one.name() != "n7" or None) for one in scores}

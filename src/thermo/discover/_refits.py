@@ -49,12 +49,13 @@ def refits(
 
     A score ranks what has a place, in the body or on the scale of temperature, by where it was
     looked for at first. Where none of those with large scores closes enough and what is left is no
-    noise, the others are tried as well.
+    noise, the others are tried as well; not beside what was found, where little is left, scores
+    are nearly linear, and whatever is free enough would take up the rest of another effect.
     """
     order = best_of_kinds([one for one in table.scores if credible(one, table.threshold)])
     worth = worth_a_refit(order)
     made = _all_put_to_work(standing, worth, [], laws, pace)
-    if made and not any(_explains(standing, one.standing) for one in made):
+    if made and not standing.active and not any(_explains(standing, one.standing) for one in made):
         tried = {one.name() for one in worth}
         rest = [one for one in order if one.name() not in tried]
         made = _all_put_to_work(standing, rest, made, laws, pace)
