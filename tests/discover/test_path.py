@@ -107,6 +107,19 @@ def test_one_whose_place_makes_up_for_its_strength_is_named_for_what_it_explains
     assert path.word == "named" and len(path.rounds) == 1 and path.remarks == []
 
 
+@pytest.mark.parametrize("low", [-0.1, 0.1])
+def test_effects_that_make_up_for_each_other_are_not_named(
+    monkeypatch: pytest.MonkeyPatch, low: float
+) -> None:
+    rounds = [found(low, 0.5, 0.9), found(-1.0, 1.0, 0.9)]
+    path = searched(monkeypatch, [5000.0, 500.0, 1.0], rounds, alarms=2)
+    told = "Together hidden_source, hidden_source meet the readings, but each of them"
+    assert len(path.rounds) == 2
+    assert (path.word, any(told in one for one in path.remarks)) == (
+        ("named", False) if low > 0 else ("none_of_mine", True)
+    )
+
+
 def test_kinds_at_two_places_are_told_of() -> None:
     (told,) = twice(["void", "local_convection", "void"])
     assert told.startswith("void is at work at 2 places")

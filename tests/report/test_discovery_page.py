@@ -47,7 +47,7 @@ def found(together: list[str], *, closed: float, place: bool = True) -> dict[str
         "named": together if len(together) == 1 else [], "set": together, "best": together[0],
         "strength": 1.2345, "sd": 0.05, "interval95": [1.1365, 1.3325], "unit": "W",
         "location": {"centre": [0.0123, -0.0045, 0.0], "size": 0.0032} if place else None,
-        "conductance": 0.01234 if place else None,
+        "side": None, "depth": None, "conductance": 0.01234 if place else None,
         "conductance_interval95": [0.0111, 0.0135] if place else None,
         "p_value": 0.0, "gap_closed": closed, "rms_before": {"lamp": 0.7531, "dark": 0.2},
         "rms_after": {"lamp": 0.0521, "dark": 0.05}, "threshold": 4.21,
@@ -199,6 +199,14 @@ def test_a_second_round_has_a_row_and_a_sentence_in_large_words() -> None:
     page = discovery_page(record("named", rounds=rounds, sentences=said), "A block")
     assert page.count('<tr class="round">') == 2 and page.count('class="said lead named"') == 2
     assert "Scores of round 1" in page
+
+
+def test_a_side_and_a_depth_stand_for_a_place() -> None:
+    contact = found(["support_contact"], closed=0.9) | {"side": "+x", "depth": 1.5e-3}
+    light = found(["in_depth_absorption"], closed=0.9, place=False) | {"depth": 2e-4}
+    for one, words in ((contact, "side +x, 1.5 deep; 0.0123 W/K"), (light, "no place, 0.2 deep")):
+        cells = _Checker(discovery_page(record("named", rounds=[one]), "A block")).cells
+        assert cells[4].startswith(words)
 
 
 def test_what_cannot_be_told_apart_stands_together() -> None:

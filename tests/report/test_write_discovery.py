@@ -128,6 +128,15 @@ def test_a_film_is_told_over_all_of_its_place() -> None:
     )
 
 
+def test_a_support_is_told_with_its_side_and_depth() -> None:
+    made = verdict("named")
+    (one,) = made.rounds
+    foot = replace(one.effect, card=SupportContact.card, side="-z", depth=6e-6)
+    told = discovery_record(replace(made, rounds=[replace(one, effect=foot)]))
+    assert (told["rounds"][0]["side"], told["rounds"][0]["depth"]) == ("-z", 6e-6)
+    assert "W/m2/K [1.211, 1.289], at the side -z, to a depth of 0.006 mm." in told["sentences"][0]
+
+
 def test_where_nothing_explains_the_gap_residuals_are_those_of_the_stated_model() -> None:
     found = discovery_record(verdict("named"))["residuals"]["lamp"]
     samples = len(found["points"])

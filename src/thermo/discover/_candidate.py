@@ -43,6 +43,7 @@ class Card:
     - `fault`: whether it is a fault of the record that may stand in for an effect: it is looked for
       and told of, and never named.
     - `excited_by`, `hides_behind`, `split_by`: in words.
+    - `smallest`: of a place over its first size [1].
     - `alike`: in words, what no candidate stands for and reads as a positive strength does.
     """
 
@@ -57,6 +58,7 @@ class Card:
     joint: bool = False
     law: bool = False
     fault: bool = False
+    smallest: float = 0.25
     alike: str = ""
 
 

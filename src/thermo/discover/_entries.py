@@ -22,8 +22,8 @@ from thermo.discover._descent import Free
 from thermo.discover._extended import Extended, numbers
 from thermo.inverse import Parameters
 
-# A place's size stays within these factors of the first [1]; a field's logarithm moves by this [1].
-_SMALLER, _LARGER, _FIELD = 0.25, 4.0, 0.3
+# A place's size is at most so many times the first [1]; a field's logarithm moves by this [1].
+_LARGER, _FIELD = 4.0, 0.3
 # A transition stays within so many of its first widths of where it is looked for at first [1].
 _WIDTHS = 3.0
 # Logarithm of how far below its first value a coefficient is brought back at once [1].
@@ -107,7 +107,7 @@ def free_entries(
         )
     ]
     if before.place is not None and at.place is not None:
-        parts += _of_place(at.place, before.place, entry.part, corners)
+        parts += _of_place(at.place, before.place, entry.part, corners, card.smallest)
     return joined(*parts)
 
 
@@ -116,8 +116,12 @@ def _of_place(
     before: Where,
     part: int,
     corners: Float[np.ndarray, "2 3"],
+    smallest: float,
 ) -> list[Free]:
-    """Where a part is [m, or K], how wide and of what form, free; `numbers`: of all entries [1]."""
+    """Where a part is [m, or K], how wide and of what form, free.
+
+    `numbers`: of all entries [1]; `smallest`: size over the first one [1].
+    """
 
     def of(leaf: Array) -> Few:
         return np.atleast_1d(np.asarray(leaf)[part])
@@ -126,7 +130,7 @@ def _of_place(
         return Free(of(leaf).astype(int), scale, low, high, np.zeros(len(scale), bool))
 
     sizes = of(before.size)
-    found = [free(numbers.size, 0.5 * sizes, _SMALLER * sizes, _LARGER * sizes)]
+    found = [free(numbers.size, 0.5 * sizes, smallest * sizes, _LARGER * sizes)]
     where = numbers.centre
     if where is None:
         return found

@@ -57,6 +57,10 @@ _BURST: Final = (
     "With {} at work smaller cells leave more than without it; cells stay as they are, and what "
     "they make wrong beside it is not known."
 )
+_COLLINEAR: Final = (
+    "Together {} meet the readings, but each of them may as well be nothing beside the others: "
+    "they make up for each other, and what is missing is none of them for certain."
+)
 # An effect may as well be absent where scatter gives strengths as large with this chance, and
 # explains as much of what is left [1].
 _ABSENT: Final = 0.05
@@ -134,10 +138,10 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace, *, rough: b
     pace.step("fitting what was found once more, and drawing noise alone")
     # Where nothing came after the last doubt, what was fitted just before it need not be again.
     last = undoubted(settled if standing is doubted else standing, begun.allowed)
-    word = "no_gap" if quiet else _word(begun, last, rounds, tables[0])
     together = with_joint_effects(rounds, last, standing)
+    word = "no_gap" if quiet else _word(begun, last, together, tables[0])
     others = rivals.get(last.active[-1], ()) if last.active else ()
-    remarks += twice([name for name, _ in last.active])
+    remarks += twice([name for name, _ in last.active]) + made_up(together)
     alarms = calibrated(begun, tables[0])
     return SearchPath(word, together, begun, last, tables[0], remarks, alarms, others)
 
@@ -371,9 +375,22 @@ def _word(begun: Standing, last: Standing, rounds: list[Round], table: ScoreTabl
     if not rounds:
         gap = _alarm(table) or begun.chance() <= BY_SHAPES
         return "none_of_mine" if gap else "no_gap"
-    if share_closed(begun, last) < _CLOSED and last.chance() <= BY_SHAPES:
-        return "none_of_mine"
-    return verdict_of(rounds)
+    unmet = share_closed(begun, last) < _CLOSED and last.chance() <= BY_SHAPES
+    return "none_of_mine" if unmet or collinear(rounds) else verdict_of(rounds)
+
+
+def made_up(rounds: Sequence[Round]) -> list[str]:
+    """What to say of effects that make up for each other."""
+    names = ", ".join(one.effect.card.name for one in rounds)
+    return [_COLLINEAR.format(names)] if collinear(rounds) else []
+
+
+def collinear(rounds: Sequence[Round]) -> bool:
+    """Whether of several effects at work each may as well be nothing beside the others.
+
+    Source: Belsley, Kuh and Welsch, Regression Diagnostics (1980), chapter 3, collinearity.
+    """
+    return len(rounds) > 1 and all(one.effect.chance > _ABSENT for one in rounds)
 
 
 def verdict_of(rounds: Sequence[Round]) -> Word:

@@ -9,7 +9,7 @@ import numpy as np
 from jax.flatten_util import ravel_pytree
 from scipy.stats import chi2
 
-from thermo.discover._candidate import Transition
+from thermo.discover._candidate import Candidate, Transition
 from thermo.discover._conductance import conductance_of
 from thermo.discover._descent import Ended
 from thermo.discover._entries import Active, Entry, entry_of
@@ -155,7 +155,7 @@ def effect_of(
         entry.card, value, sd, _within(value, sd, low, high), centre, size, at,
         None if whole is None else whole[0],
         None if whole is None else _within(*whole, 0.0 if low >= 0 else -np.inf, np.inf),
-        joint, chance=chance,
+        joint, _side(entry), _depth(candidate, entry), chance=chance,
     )  # fmt: skip
 
 
@@ -184,6 +184,21 @@ def with_joint_effects(rounds: list[Round], last: Standing, doubted: Standing) -
     ]
 
 
+def _side(entry: Entry) -> str | None:
+    """At which side of the body an effect is, where it is at one."""
+    if entry.card.name not in ("support_contact", "backing_conduction"):
+        return None
+    return f"{'-+'[entry.part >= 3]}{'xyz'[entry.part % 3]}"
+
+
+def _depth(candidate: Candidate, entry: Entry) -> float | None:
+    """How far from the skin, or from the end of a side, an effect reaches [m]."""
+    place = candidate.place
+    if place is None or place.centre is not None:
+        return None
+    return float(place.size[entry.part])
+
+
 def _place(standing: Standing, entry: Entry) -> tuple[np.ndarray | None, float | None]:
     """Where an effect is [m], and how far it reaches [m]."""
     place = standing.point.candidates[entry.kind].place
@@ -191,15 +206,15 @@ def _place(standing: Standing, entry: Entry) -> tuple[np.ndarray | None, float |
         return None, None
     if place is not None and place.centre is not None:
         return np.asarray(place.centre[entry.part]), float(np.max(place.size[entry.part]))
-    if entry.card.name not in ("support_contact", "backing_conduction"):
+    if _side(entry) is None:
         return None, None
     mesh = standing.bench.ready.mesh
     centres = mesh.nodes[mesh.faces[:, :3]].mean(1)
     axis, upper = entry.part % 3, entry.part >= 3
     end = mesh.nodes[:, axis].max() if upper else mesh.nodes[:, axis].min()
-    reach = 1e-3 * np.ptp(mesh.nodes[:, axis]) if place is None else float(place.size[entry.part])
-    there = np.abs(centres[:, axis] - end) <= reach
-    if not there.any():
-        return None, None
+    apart = np.abs(centres[:, axis] - end)
+    # Of a side that is not flat at least the outermost face.
+    least = 1e-3 * np.ptp(mesh.nodes[:, axis]) + apart.min()
+    there = apart <= max(least, 0.0 if place is None else float(place.size[entry.part]))
     areas = face_areas(mesh)[there]
     return (areas[:, None] * centres[there]).sum(0) / areas.sum(), float(np.sqrt(areas.sum()))

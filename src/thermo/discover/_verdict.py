@@ -29,6 +29,8 @@ class Effect:
     - `conductance`: over all of its place [W/K], and in which interval it is in 95 % of cases; None
       where it adds no convection and no contact.
     - `strengths`: of a joint effect, as a history, all in their order; `strength` is the last.
+    - `side`: as "+x", of what is at a side of the body; `depth`: from its end, or from the skin, to
+      which an effect without a centre reaches [m].
     """
 
     card: Card
@@ -41,6 +43,8 @@ class Effect:
     conductance: float | None = None
     conductance95: tuple[float, float] | None = None
     strengths: tuple[float, ...] = ()
+    side: str | None = None
+    depth: float | None = None
     chance: float = field(kw_only=True)
 
 

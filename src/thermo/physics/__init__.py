@@ -7,6 +7,7 @@ from thermo.physics._conjugate_gradient import ConjugateGradient
 from thermo.physics._discretisation import Discretisation, discretise
 from thermo.physics._forward_only import ForwardOnly
 from thermo.physics._model import Model
+from thermo.physics._quadrature import triangle_rule
 from thermo.physics._readout import ReadOut, every_node
 from thermo.physics._simulate import Solution, solve_heat
 from thermo.physics._step_matrix import StepMatrix
@@ -46,6 +47,7 @@ __all__ = [
     "solve_heat",
     "step_matrix",
     "stored_heat",
+    "triangle_rule",
     "uniform_steps",
     "volume_rule",
 ]

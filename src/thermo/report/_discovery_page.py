@@ -84,7 +84,7 @@ def _rounds(record: Record) -> str:
             _what(one, record["verdict"]),
             _amount(one["strength"], one["unit"]),
             _amount(" to ".join(_number(end) for end in one["interval95"]), one["unit"]),
-            _place(one["location"]) + _whole(one),
+            _place(one) + _whole(one),
             _chance(one["p_value"]),
             _share(one["gap_closed"]),
             _falls(one["rms_before"], one["rms_after"]),
@@ -114,10 +114,14 @@ def _what(one: Record, verdict: str) -> str:
     return f"{words} (the closest, not named)" if verdict == "none_of_mine" else words
 
 
-def _place(found: Record | None) -> str:
+def _place(one: Record) -> str:
     """Where an effect is and how far it reaches [mm], from metres."""
+    found, depth = one["location"], one["depth"]
+    deep = "" if depth is None else f", {_number(1e3 * depth, '.2g')} deep"
+    if one["side"] is not None:
+        return f"side {one['side']}{deep}"
     if found is None:
-        return "no place"
+        return f"no place{deep}"
     centre = ", ".join(f"{1e3 * one:.1f}" for one in found["centre"])
     return f"({centre}), size {1e3 * found['size']:.1f}"
 

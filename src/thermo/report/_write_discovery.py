@@ -172,6 +172,8 @@ def _round(one: Round, explains: bool) -> dict[str, Any]:
         "transition": None
         if effect.transition is None
         else dict(zip(("temperature", "width"), effect.transition, strict=True)),
+        "side": effect.side,
+        "depth": effect.depth,
         "conductance": effect.conductance,
         "conductance_interval95": effect.conductance95 and list(effect.conductance95),
         "p_value": one.p_value,
@@ -242,6 +244,10 @@ def _named(effect: Effect) -> str:
         # No zero with a sign.
         at = ", ".join(f"{round(1e3 * one, 1) + 0.0:.1f}" for one in effect.centre)
         place = f", at ({at}) mm"
+    if effect.side is not None:
+        place = f", at the side {effect.side}"
+    if effect.depth is not None:
+        place += f", to a depth of {1e3 * effect.depth:.2g} mm"
     if effect.transition is not None:
         place = ", at {:.4g} K, over {:.2g} K".format(*effect.transition)
     whole = ""

@@ -158,16 +158,18 @@ def contact_of(model: Model) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def fine() -> Discretisation:
-    """Six cells along each side: a footprint fades out from line to line."""
+    """Six cells along each side."""
     return discretise(box_mesh(SIZE, (6, 6, 6)))
 
 
+@pytest.mark.parametrize("reach", [1e-3, 0.13, 0.5])
 @pytest.mark.parametrize("side", range(6), ids=SIDES)
-def test_a_footprint_is_the_side_and_a_strip_of_its_walls(side: int, fine: Discretisation) -> None:
+def test_a_footprint_is_the_side_and_a_strip_of_its_walls(
+    side: int, reach: float, fine: Discretisation
+) -> None:
     sides = np.array(SIZE)
     axis = side % 3
-    # Full up to three quarters of the depth and gone at five: both lie on lines of the mesh.
-    depth = 4 * sides[axis] / 6
+    depth = reach * sides[axis]
     model = Model(fine, jnp.ones(len(fine.mesh.cells)), jnp.ones(len(fine.mesh.cells)))
     under = hot()
     found = contact_of(supported(on_side(side, 200.0), depth).to_model(model, under))
@@ -175,24 +177,13 @@ def test_a_footprint_is_the_side_and_a_strip_of_its_walls(side: int, fine: Discr
     wanted = across.prod() + 2 * across.sum() * depth
     assert (found * fine.face_weight).sum() == pytest.approx(200.0 * wanted, rel=1e-9)
     normal = fine.mesh.normals[:, axis] * (1 if side >= 3 else -1)
-    assert np.all(found[normal > 0.9] == 200.0) and np.all(found[normal < -0.9] == 0.0)
-
-
-def test_a_footprint_ends_within_faces() -> None:
-    depth = 0.4 * SIZE[2]
-    found = contact_of(supported(on_side(2, 1.0), depth).to_model(bare(hot()), hot()))
-    above = SPACE.face_point[..., 2] - SPACE.mesh.nodes[:, 2].min()
-    # Gone half a depth farther up than it is full.
-    np.testing.assert_allclose(found, np.interp(above / depth, [0.75, 1.25], [1.0, 0.0]))
-    assert np.ptp(found, axis=1).max() > 0.4
-
-
-def test_a_flat_footprint_is_the_side_alone() -> None:
-    # Cells are coarse against the depth: a thin strip of the walls is between their points.
-    found = contact_of(supported(on_side(5, 1.0), 1e-4).to_model(bare(hot()), hot()))
-    share = (found * SPACE.face_weight).sum() / SPACE.face_weight.sum()
-    x, y, z = SIZE
-    assert share == pytest.approx(0.5 * x * y / (x * y + y * z + z * x), rel=1e-9)
+    np.testing.assert_allclose(found[normal > 0.9], 200.0, rtol=1e-12)
+    assert np.all(found[normal < -0.9] == 0.0)
+    # How far up the walls it lies on average, as well.
+    height = fine.face_point[..., axis]
+    height = sides[axis] - height if side >= 3 else height
+    middle = (found * fine.face_weight * height)[np.abs(normal) < 0.1].sum()
+    assert middle == pytest.approx(200.0 * across.sum() * depth**2, rel=1e-9)
 
 
 def test_a_support_is_as_warm_as_the_surroundings() -> None:

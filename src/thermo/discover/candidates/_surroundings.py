@@ -12,8 +12,9 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from thermo.discover._candidate import AbstractHeatCandidate, Card, Place
+from thermo.discover.candidates._covered_faces import covered
 from thermo.inverse import Conditions
-from thermo.physics import Discretisation, Model
+from thermo.physics import Discretisation, Model, triangle_rule
 from thermo.physics.effects import (
     AbstractSurfaceEffect,
     Contact,
@@ -75,7 +76,7 @@ class SupportContact(AbstractHeatCandidate):
 
     q = strength (T_support - T) where the surface lies within `depth` of the side's end of the
     body; the support is as warm as the surroundings. Sides are -x, -y, -z, +x, +y, +z, and the
-    sizes of their places the depths.
+    sizes of their places the depths: next to nothing where a support ends with a flat side.
 
     Source: Carslaw and Jaeger, Conduction of Heat in Solids, section 1.9.
     """
@@ -85,6 +86,7 @@ class SupportContact(AbstractHeatCandidate):
         excited_by="heat that passes the support",
         hides_behind="convection that is stronger there, a source",
         split_by="a support that is moved or insulated",
+        smallest=1e-3,
     )  # fmt: skip
     strength: Float[Array, " parts"]
     place: Place
@@ -94,14 +96,11 @@ class SupportContact(AbstractHeatCandidate):
         return _also(model, Contact(self._footprints(model.space) @ self.strength, under.ambient))
 
     def _footprints(self, space: Discretisation) -> Float[Array, "faces points sides"]:
-        points = jnp.asarray(space.face_point)
-        nodes = jnp.asarray(space.mesh.nodes)
-        above = jnp.concatenate(
-            [points - nodes.min(0), nodes.max(0) - points], axis=-1
-        )  # faces points sides
-        # Some smoothness, so that the depth can be found.
-        depth = self.place.size
-        return jnp.clip(0.5 + (depth - above) / (0.5 * depth), 0.0, 1.0)
+        nodes = space.mesh.nodes
+        corners = nodes[space.mesh.faces[:, :3]]
+        height = np.concatenate([corners - nodes.min(0), nodes.max(0) - corners], axis=-1)
+        points, _ = triangle_rule(space.mesh.order)
+        return jnp.einsum("qc,fcs->fqs", points, covered(jnp.asarray(height), self.place.size))
 
 
 @final
