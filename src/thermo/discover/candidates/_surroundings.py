@@ -96,11 +96,11 @@ class SupportContact(AbstractHeatCandidate):
         return _also(model, Contact(self._footprints(model.space) @ self.strength, under.ambient))
 
     def _footprints(self, space: Discretisation) -> Float[Array, "faces points sides"]:
-        nodes = space.mesh.nodes
+        nodes = jnp.asarray(space.mesh.nodes)
         corners = nodes[space.mesh.faces[:, :3]]
-        height = np.concatenate([corners - nodes.min(0), nodes.max(0) - corners], axis=-1)
+        height = jnp.concatenate([corners - nodes.min(0), nodes.max(0) - corners], axis=-1)
         points, _ = triangle_rule(space.mesh.order)
-        return jnp.einsum("qc,fcs->fqs", points, covered(jnp.asarray(height), self.place.size))
+        return jnp.einsum("qc,fcs->fqs", points, covered(height, self.place.size))
 
 
 @final
