@@ -133,10 +133,10 @@ def test_a_prior_that_makes_no_sense_is_refused(values: dict[str, float]) -> Non
 def test_lists_of_names() -> None:
     assert configuration.names(None, "runs") is None
     assert configuration.names(["a", "b"], "runs") == ("a", "b")
-    for wrong in ("a", ["a", 1], 3):
+    for wrong, meant in (("a", "a"), (["a", 1], "a,b"), (3, "a,b")):
         with pytest.raises(InputError) as caught:
             configuration.names(wrong, "runs")
-        assert caught.value.where == "runs" and "runs=[a,b]" in caught.value.remedy
+        assert caught.value.where == "runs" and f"runs=[{meant}]" in caught.value.remedy
 
 
 def test_values_that_are_given() -> None:

@@ -38,8 +38,11 @@ def test_an_unknown_run_is_named_with_those_there_are(scene: Scene) -> None:
 @pytest.mark.parametrize("names", [(), None])
 def test_nothing_to_work_on_is_refused(names: tuple[str, ...] | None, scene: Scene) -> None:
     fitted = {n: run for n, run in scene.runs.items() if run.held_out}
-    with pytest.raises(InputError, match="no run is left"):
+    with pytest.raises(InputError, match="no run is left") as caught:
         select_runs(replace(scene, runs=fitted), names, held_out=False)
+    if names is None:
+        assert caught.value.remedy == "set held_out to false in one of them, in scene.json"
+        assert caught.value.value == "held_out: true in all of test_lamp"
 
 
 def test_the_scene_says_what_is_unknown_unless_told(scene: Scene) -> None:

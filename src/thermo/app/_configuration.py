@@ -204,8 +204,9 @@ def names(value: Any, key: str) -> tuple[str, ...] | None:
     if value is None:
         return None
     if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
+        meant = value if isinstance(value, str) else "a,b"
         raise InputError(
             "a list of names is wanted", where=key, value=value, limit="[a,b]",
-            remedy=f"write {key}=[a,b], in quotes if the shell minds brackets",
+            remedy=f"write {key}=[{meant}], in quotes if the shell minds brackets",
         )  # fmt: skip
     return tuple(value)

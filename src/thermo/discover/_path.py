@@ -363,7 +363,10 @@ def _fault(found: Effect) -> str:
 
 def _rest(one: Round | None) -> str:
     if one is None:
-        return "A rest is left that no candidate explains, nor shows in by much."
+        return (
+            "More than noise is left (rms_after of the last round), in which no candidate shows by "
+            "much: what was found may hold a part of it."
+        )
     name = one.effect.card.name
     return (
         f"A rest is left that no candidate explains; the closest is {name}, "

@@ -15,6 +15,14 @@ def select_runs(scene: Scene, names: tuple[str, ...] | None, *, held_out: bool) 
     if names is None:
         picked = [run for run in scene.runs.values() if run.held_out == held_out]
         names = tuple(run.name for run in picked)
+        if not names:
+            wanted, other = ("true", "false") if held_out else ("false", "true")
+            raise InputError(
+                "no run is left to work on", where=f"{scene.folder}: runs",
+                value=f"held_out: {other} in all of {', '.join(scene.runs)}",
+                limit=f"at least one run with held_out: {wanted}",
+                remedy=f"set held_out to {wanted} in one of them, in scene.json",
+            )  # fmt: skip
     unknown = [name for name in names if name not in scene.runs]
     if unknown or not names:
         near = meant("".join(unknown[:1]), scene.runs)

@@ -151,7 +151,8 @@ def _gap(record: Record) -> str:
     words = (
         "Squares of simulation less readings, in units of noise and of what is allowed for: those "
         "smooth over the body and steady, smooth and changing in time, and the rest. They add up; "
-        "noise alone leaves about as many as there are readings or shapes."
+        "noise alone leaves about as many as there are readings in the rest, and fewer than there "
+        "are shapes, as far as what is allowed for is not there."
     )
     figures = []
     for name in record["gap"]:
