@@ -123,6 +123,12 @@ def test_where_nothing_is_missing_nothing_is_named(scene: Scene) -> None:
     proof = found.held_out["test_lamp"]
     assert proof.rms_before == pytest.approx(proof.rms_after) and proof.gap_closed is None
     assert proof.rms_after == pytest.approx(NOISE, rel=0.1)
+    # As long as the recording, without what fills it up beside longer ones.
+    apart, read = proof.differences, scene.runs["test_lamp"].recording
+    assert apart.before.shape == apart.after.shape == (len(apart.time), len(read.points))
+    assert np.sqrt(np.nanmean(apart.after**2)) == pytest.approx(proof.rms_after)
+    np.testing.assert_array_equal(apart.points, read.points)
+    assert np.all(np.isin(np.round(apart.time, 9), np.round(read.time, 9)))
     assert min(one.slow for one in found.traces[0].values()) > 1e-3
     assert set(found.traces[0]["lamp"].inputs) == {"lamp", "temperature"}
     assert set(found.traces[0]["cooling"].inputs) == {"temperature"}

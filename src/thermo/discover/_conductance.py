@@ -27,10 +27,10 @@ def conductance_of(
 ) -> tuple[float, float] | None:
     """The integral of h over all of a place, and its standard deviation [W/K].
 
-    None where an effect adds no h [W/m2/K]. Readings tell it better than h in the middle of a
-    place, whose edge is a guess: where h and its reach make up for each other it is known all the
-    same. Arguments: `free`, `covariance`: the entries that were fitted, and of these over their
-    scales [1].
+    None where an effect adds no h [W/m2/K]. As a rule readings tell it better than h in the middle
+    of a place, whose edge is a guess.
+
+    Arguments: `free`, `covariance`: the entries that were fitted, and of these over their scales.
 
     Source: Seber and Wild, Nonlinear Regression (1989), section 5.1, errors of a function of what
     was fitted, linearised.
