@@ -114,6 +114,7 @@ def test_a_stopped_fit_says_how_to_go_on(
         (("invert", "datta=x"), "did you mean data?"),
         (("invert", "feild=uniform"), "did you mean field?"),
         (("invert", "mesh.max_node=3"), "did you mean mesh.max_nodes?"),
+        (("discover", "some/folder"), "write data=some/folder"),
         (("register", "material.conductivty=3"), "did you mean material.conductivity?"),
     ],
 )

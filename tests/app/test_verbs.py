@@ -14,6 +14,7 @@ import pytest
 from box_scene import FRAMES, sample_points
 
 from thermo.app import _verbs
+from thermo.app._fitted import left_by_search
 from thermo.study import Case
 
 from .conftest import SMALL, Command
@@ -150,6 +151,26 @@ def test_a_prediction_tells_what_its_fit_does_not_explain(
     (poor / "result.json").unlink()
     outcome = command("predict", f"data={block}", f"estimate={poor}", f"out={out}", "tolerance=0.5")
     assert outcome.code == 0 and result(out)["remarks"] == [], outcome.err
+
+
+@pytest.mark.parametrize(
+    ("verdict", "chance", "told"), [("named", 0.4, 0), ("named", 1e-9, 1), ("none_of_mine", 0.4, 1)]
+)
+def test_what_a_search_left_unexplained_is_told_to_whoever_predicts_from_it(
+    tmp_path: Path, verdict: str, chance: float, told: int
+) -> None:
+    record = {
+        "verdict": verdict, "p_value": {"with": chance}, "noise": {"lamp": 0.05},
+        "rounds": [{"rms_after": {"lamp": 0.21}}],
+    }  # fmt: skip
+    (tmp_path / "verdict.json").write_text(json.dumps(record))
+    words = left_by_search(tmp_path)
+    assert len(words) == told
+    assert all("lamp 0.21 K at a noise of 0.05 K" in one for one in words)
+    # A search that put nothing to work has no rounds, and not every estimate is of a search.
+    (tmp_path / "verdict.json").write_text(json.dumps(record | {"rounds": []}))
+    assert len(left_by_search(tmp_path)) == told
+    assert left_by_search(tmp_path / "none") == ()
 
 
 def test_simulate_takes_the_values_of_the_command_line(

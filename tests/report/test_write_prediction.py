@@ -44,7 +44,7 @@ def test_each_run_leaves_its_files_and_its_page(tmp_path: Path) -> None:
     runs = {"lamp": predicted(0.5), "cooling": predicted(-0.25)}
     record = write_predictions(
         tmp_path, "predict", runs, {"note": 1}, 2.5, ["tilt"], ["Mind this."],
-        mesh=BLOCK, fields={field.name: field},
+        noise={"lamp": 0.05}, mesh=BLOCK, fields={field.name: field},
     )  # fmt: skip
     assert {path.name for path in tmp_path.iterdir()} == {
         "result.json",
@@ -70,7 +70,11 @@ def test_each_run_leaves_its_files_and_its_page(tmp_path: Path) -> None:
     assert record == json.loads((tmp_path / "result.json").read_text("utf-8"))
     assert record["scores"]["lamp"]["median"] == {"mae": 1.0, "rmse": 2.0, "max": 3.0}
     assert (record["verb"], record["seconds"], record["effects"]) == ("predict", 2.5, ["tilt"])
-    assert record["remarks"] == ["Mind this."]
+    assert record["remarks"] == ["Mind this."] and record["noise"] == {"lamp": 0.05}
+    told = prediction_table(record).splitlines()
+    assert told[0].endswith("noise [K]")
+    # Of the run whose noise is known it stands beside its scores.
+    assert [line.split()[-1] for line in told if "median" in line] == ["0.05", "3"]
 
 
 def test_a_simulation_has_no_fields(tmp_path: Path) -> None:

@@ -92,6 +92,10 @@ def _refusal(verb: str, fault: Exception) -> errors.InputError:
     unknown = re.search("override '([^']+)'", found)
     names = _names(verb) if unknown else []
     meant = errors.meant(unknown[1], names) if unknown else ""
+    bare = re.search("parsing override '([^'=]+)'", found)
+    if bare and "data" in names:
+        # A word without a name is a folder as a rule.
+        meant = f"write data={bare[1]} if that is the folder of the data; "
     own = dict.fromkeys(name.partition(".")[0] for name in names)
     limit = listed or [name for name in own if name not in ("defaults", "hydra")]
     return errors.InputError(

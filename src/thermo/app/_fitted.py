@@ -18,6 +18,9 @@ from thermo.observe import Scene
 _ALIKE = 0.03
 """Relative difference of lengths [1] up to which bodies may be one: a mesh cuts curved sides."""
 
+_LEVEL = 0.05
+"""Chance [1] below which what a search left is more than noise: the level of the search."""
+
 
 @final
 @dataclass(frozen=True)
@@ -69,6 +72,24 @@ def unexplained_by(folder: Path) -> tuple[str, ...]:
         return _odd(json.loads((folder / "result.json").read_text("utf-8")))
     except (OSError, ValueError, KeyError, TypeError):
         return ()
+
+
+def left_by_search(folder: Path) -> tuple[str, ...]:
+    """What the search in a folder could not explain, in words; nothing where it explained all.
+
+    A folder that holds no search tells nothing.
+    """
+    try:
+        record = json.loads((folder / "verdict.json").read_text("utf-8"))
+        if record["verdict"] != "none_of_mine" and record["p_value"]["with"] > _LEVEL:
+            return ()
+        after = record["rounds"][-1]["rms_after"] if record["rounds"] else {}
+        sizes = [f"{name} {after[name]:.3g} K at a noise of {noise:.3g} K"
+                 for name, noise in record["noise"].items() if name in after]  # fmt: skip
+    except (OSError, ValueError, KeyError, TypeError):
+        return ()
+    told = f" ({', '.join(sizes)})" if sizes else ""
+    return (f"The search that this rests on left more than noise, which it cannot explain{told}.",)
 
 
 def _odd(record: dict[str, Any]) -> tuple[str, ...]:

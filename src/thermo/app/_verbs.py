@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +21,10 @@ from thermo.app._configuration import (
     size,
     stages,
 )
-from thermo.app._fitted import unexplained_by
+from thermo.app._fitted import left_by_search, unexplained_by
 from thermo.app._scene import scene_of
 from thermo.discover import load_effects, stated_otherwise
-from thermo.observe import read_scene
+from thermo.observe import Scene, estimate_noise, read_scene
 from thermo.report import (
     Progress,
     inversion_table,
@@ -115,15 +115,22 @@ def predict(settings: Configuration) -> None:
     mesh, _, _, fields = inverse.load_estimate(estimate / "estimate.npz")
     remarks = [*stated_otherwise(estimate, scene), *_of_the_fit(estimate)]
     record = write_predictions(
-        out, "predict", predictions, settings, seconds, taken, remarks, mesh=mesh, fields=fields
-    )
+        out, "predict", predictions, settings, seconds, taken, remarks,
+        noise=_noise(scene, predictions), mesh=mesh, fields=fields,
+    )  # fmt: skip
     beside = f"\nEffects beside the stated ones: {', '.join(taken)}." if taken else ""
     told = beside + "".join(f"\n{remark}" for remark in remarks)
     print(f"{prediction_table(record)}\n{told}\n{out / 'result.json'}, {seconds:.0f} s")
 
 
+def _noise(scene: Scene, runs: Iterable[str]) -> dict[str, float]:
+    """Of a reading, by run, as its recording tells it [K]."""
+    return {name: estimate_noise(scene.runs[name].recording).total() for name in runs}
+
+
 def _of_the_fit(folder: Path) -> list[str]:
-    return [f"Of the fit that this rests on: {one}" for one in unexplained_by(folder)]
+    told = [f"Of the fit that this rests on: {one}" for one in unexplained_by(folder)]
+    return [*told, *left_by_search(folder)]
 
 
 def study(settings: Configuration) -> None:
@@ -185,5 +192,5 @@ def simulate(settings: Configuration) -> None:
     )
     seconds = time.monotonic() - begun
     runs = {str(settings["run"]): prediction}
-    record = write_predictions(out, "simulate", runs, settings, seconds)
+    record = write_predictions(out, "simulate", runs, settings, seconds, noise=_noise(scene, runs))
     print(f"{prediction_table(record)}\n\n{out / 'result.json'}, {seconds:.0f} s")

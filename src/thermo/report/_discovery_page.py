@@ -97,6 +97,9 @@ def _rounds(record: Record) -> str:
     )
 
 
+_NEARLY = 0.999
+"""A share that would be written as all [1]."""
+
 _CHANCES = (
     "A p-value is the chance that noise makes any candidate, wherever it was looked for, explain "
     "as much. The other chance asks for no effect: it counts what is left in smooth shapes alone, "
@@ -173,7 +176,7 @@ def _over_time(record: Record) -> str:
     rows = []
     for name, found in record["over_time"].items():
         ends = found["before"], found["after"]
-        slow = [part for one in ends for part in ("", _number(one["slow_p_value"], ".2g"))]
+        slow = [part for one in ends for part in ("", _chance(one["slow_p_value"]))]
         rows.append([name, "slow changes rather than fast ones", *slow])
         for known in found["before"]["follows"]:
             each = [one["follows"][known] for one in ends]
@@ -182,7 +185,7 @@ def _over_time(record: Record) -> str:
                 for one in each
                 for part in (
                     f"{_number(one['score'], '.1f')} ({_number(one['lag_s'], '.3g')} s)",
-                    _number(one["p_value"], ".2g"),
+                    _chance(one["p_value"]),
                 )
             ]
             rows.append([name, f"the {known}", *told])
@@ -383,7 +386,10 @@ def _amount(value: float | str | None, unit: str) -> str:
 
 def _share(value: float | None) -> str:
     # A zero is added so that what is rounded to zero has no sign.
-    return "not known" if value is None else f"{round(100 * value, 1) + 0.0:.1f} %"
+    if value is None:
+        return "not known"
+    near = _NEARLY < value < 1.0
+    return f"above {100 * _NEARLY:.1f} %" if near else f"{round(100 * value, 1) + 0.0:.1f} %"
 
 
 def _chance(value: float | None) -> str:

@@ -72,6 +72,7 @@ def write_predictions(
     effects: Sequence[str] = (),
     remarks: Sequence[str] = (),
     *,
+    noise: Mapping[str, float] | None = None,
     mesh: Mesh | None = None,
     fields: Mapping[str, RecoveredField] | None = None,
 ) -> dict[str, Any]:
@@ -82,8 +83,8 @@ def write_predictions(
     them on the surface with a slider over time, and figures.
 
     Arguments: `seconds` that the work took [s]; `effects`: names of those beside the stated ones;
-    `remarks`: what a reader should know; `mesh` [m] and `fields` of the fit [SI], which `RUN.html`
-    shows as well.
+    `remarks`: what a reader should know; `noise`: of a reading by run [K]; `mesh` [m] and `fields`
+    of the fit [SI], which `RUN.html` shows as well.
     """
     for name, prediction in predictions.items():
         _write_run(folder, name, prediction, mesh, fields or {})
@@ -95,6 +96,7 @@ def write_predictions(
             for name, prediction in predictions.items()
         },
         "scores_unit": "K",
+        "noise": dict(noise or {}),
         "effects": list(effects),
         "remarks": list(remarks),
         "seconds": seconds,
@@ -107,10 +109,14 @@ def write_predictions(
 
 
 def prediction_table(record: Mapping[str, Any]) -> str:
-    """A short table of the scores, for a terminal."""
+    """A short table of the scores beside the recording's noise, for a terminal."""
+
+    def known(run: str) -> str:
+        return f"{record['noise'][run]:.4g}" if run in record["noise"] else ""
+
     rows = [
-        [run, kind, *(f"{value[key]:.4g}" for key in ("mae", "rmse", "max"))]
+        [run, kind, *(f"{value[key]:.4g}" for key in ("mae", "rmse", "max")), known(run)]
         for run, kinds in record["scores"].items()
         for kind, value in kinds.items()
     ]
-    return table(rows, ["run", "field", "mae [K]", "rmse [K]", "max [K]"])
+    return table(rows, ["run", "field", "mae [K]", "rmse [K]", "max [K]", "noise [K]"])
