@@ -35,15 +35,18 @@ def test_both_fluxes_stand_in_one_scene(example: ModuleType, data: Path, tmp_pat
     example.write_slab(data, tmp_path / "scene")
     scene = read_scene(tmp_path / "scene")
     assert set(scene.runs) == {"flux_25", "flux_60"} and scene.unknown == ("conductivity",)
-    for flux, end, gas, start in ((25, 150.0, 330.0, 297.5), (60, 60.0, 365.0, 309.3)):
+    expected = ((25, 150.0, 330.0, 300.0, 297.5), (60, 60.0, 365.0, 303.0, 309.3))
+    for flux, end, gas, behind, start in expected:
         run = scene.runs[f"flux_{flux}"]
         assert run.initial_temperature == pytest.approx(start)
         record = run.recording
         assert record.time[-1] <= end < record.time[-1] + 2 and np.diff(record.time).max() < 1.1
         assert np.array_equal(record.points, np.zeros((1, 3)))
         assert run.heater is not None
-        power = (0.96e3 * flux + 8.6 * (gas - 300)) * example.SIDE**2
-        assert run.heater.power == pytest.approx(power)
+        assert run.heater.power == pytest.approx(0.96e3 * flux * example.SIDE**2)
+        (air,) = run.air
+        assert (run.ambient_temperature, air.temperature) == (gas, behind)
+        assert (scene.convection, air.convection) == (8.6, 4.0)
 
 
 def test_a_missing_record_is_told_of(example: ModuleType, tmp_path: Path) -> None:

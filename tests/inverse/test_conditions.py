@@ -12,7 +12,7 @@ from thermo.errors import InputError
 from thermo.inverse._conditions import Conditions, conditions, make_model
 from thermo.inverse._properties import Stated, properties
 from thermo.mesh import face_areas
-from thermo.observe import Box, Course, Heater, Prescribed, Run, Scene
+from thermo.observe import Air, Box, Course, Heater, Prescribed, Run, Scene
 from thermo.physics import assemble, discretise, heat_rate
 from thermo.physics.effects import Convection, Heating, LaggedRadiation, Radiation
 
@@ -132,6 +132,38 @@ def test_an_insulated_box_away_from_the_surface_is_refused(scene: Scene) -> None
     with pytest.raises(InputError, match="no face has its centre") as caught:
         conditions(run, SPACE)
     assert caught.value.where == "runs.cooling.insulated[0]" and "5.0" in str(caught.value.value)
+
+
+def test_air_that_is_known_takes_the_place_of_the_bodys_convection(scene: Scene) -> None:
+    run = scene.runs["cooling"]
+    height = float(MESH.nodes[:, 2].max())
+    top = ([-1.0, -1.0, height], [2.0, 2.0, height])
+    still = Air(*top, 4.0, run.ambient_temperature)
+    warm = Air(*top, 4.0, run.ambient_temperature + 30.0)
+    up = np.asarray(MESH.normals[:, 2] > 0.5)
+    body = properties(Stated(0.8, 1.54e6, 25.0, 0.0), {}, len(MESH.cells), len(MESH.faces))
+    areas = face_areas(MESH)
+
+    def taken(**changes: Any) -> float:
+        under = conditions(replace(run, **changes), SPACE)
+        hot = under.start(len(SPACE.mesh.nodes))
+        return float(
+            np.asarray(heat_rate(assemble(make_model(SPACE, body, under)), hot, 0.0)).sum()
+        )
+
+    apart = run.ambient_temperature - run.initial_temperature
+    sides, lid = 25.0 * apart * areas[~up].sum(), 4.0 * areas[up].sum()
+    assert taken(air=(still,)) == pytest.approx(sides + lid * apart, rel=1e-9)
+    # Each has its own temperature; of two in one place the later counts, behind insulation neither.
+    assert taken(air=(still, warm)) == pytest.approx(sides + lid * (apart + 30.0), rel=1e-9)
+    assert taken(air=(warm,), insulated=(Box(*top),)) == pytest.approx(sides, rel=1e-9)
+
+
+def test_air_away_from_the_surface_is_refused(scene: Scene) -> None:
+    air = Air([5.0, 0.0, 0.0], [6.0, 1.0, 1.0], 4.0, 300.0)
+    with pytest.raises(InputError, match="no face has its centre") as caught:
+        conditions(replace(scene.runs["cooling"], air=(air,)), SPACE)
+    assert caught.value.where == "runs.cooling.air[0].box" and "5.0" in str(caught.value.value)
 
 
 def test_a_course_scales_the_lamp_between_its_switches(scene: Scene) -> None:

@@ -46,6 +46,13 @@ def table() -> dict[str, Any]:
             "course": {"time": [0.0, 10.0], "share": [0.9, 1]},
         },
         "insulated": [[[-1e-3, -1e-3, -1e-3], [0.05, 0.05, 1e-3]]],
+        "air": [
+            {
+                "box": [[-1e-3, -1e-3, -1e-3], [0.05, 0.05, 1e-3]],
+                "convection": 4,
+                "temperature": 299,
+            }
+        ],
         "held_out": True,
         "prescribed": [
             {
@@ -58,7 +65,7 @@ def table() -> dict[str, Any]:
         "notes": "the lamp was warm",
     }
     cooling = {**run, "recording": "cooling.npz", "heater": None, "held_out": False}
-    del cooling["prescribed"], cooling["insulated"], cooling["notes"]
+    del cooling["prescribed"], cooling["insulated"], cooling["air"], cooling["notes"]
     return {
         "format": "thermofield-scene/1",
         "object": "tetrahedron",

@@ -163,7 +163,7 @@ def test_every_documented_key_is_read(folder: Path) -> None:
     assert (lamp.name, lamp.held_out, cooling.held_out) == ("lamp", True, False)
     assert (lamp.initial_temperature, lamp.ambient_temperature) == (295.15, 294.0)
     assert lamp.radiation_temperature == 293.15
-    assert cooling.heater is None and cooling.prescribed == cooling.insulated == ()
+    assert cooling.heater is None and cooling.prescribed == cooling.insulated == cooling.air == ()
     assert lamp.heater is not None
     np.testing.assert_array_equal(lamp.heater.direction, [0.0, 0.0, -1.0])
     assert (lamp.heater.radius, lamp.heater.power) == (0.01, 2.0)
@@ -173,6 +173,9 @@ def test_every_documented_key_is_read(folder: Path) -> None:
     np.testing.assert_array_equal(lamp.heater.course.share, [0.9, 1.0])
     (box,) = lamp.insulated
     np.testing.assert_array_equal([box.low, box.high], [[-1e-3] * 3, [0.05, 0.05, 1e-3]])
+    (air,) = lamp.air
+    assert (air.convection, air.temperature) == (4.0, 299.0)
+    np.testing.assert_array_equal(air.box_max, [0.05, 0.05, 1e-3])
     inline, file = lamp.prescribed
     np.testing.assert_array_equal(inline.box_max, [1e-3, 0.05, 0.05])
     np.testing.assert_array_equal(inline.temperature, [295.0, 296.0, 297.0])
@@ -184,7 +187,7 @@ def test_optional_keys_have_defaults(folder: Path, stated: dict) -> None:
     for key in ("object", "unit", "scale_deviation", "unknown", "prior", "truth", "description"):
         del stated[key]
     stated["material"] = {"density": 1.0, "heat_capacity": 1.0, "conductivity": 1.0}
-    for key in ("heater", "held_out", "prescribed", "insulated", "notes"):
+    for key in ("heater", "held_out", "prescribed", "insulated", "air", "notes"):
         del stated["runs"]["lamp"][key]
     (folder / "scene.json").write_text(json.dumps(stated))
     scene = read_scene(folder / "scene.json")
@@ -192,6 +195,7 @@ def test_optional_keys_have_defaults(folder: Path, stated: dict) -> None:
     assert scene.scale_deviation == 0.0
     lamp = scene.runs["lamp"]
     assert (lamp.heater, lamp.held_out, lamp.prescribed, lamp.insulated) == (None, False, (), ())
+    assert lamp.air == ()
 
 
 @pytest.mark.parametrize("truth", [None, "nonsense", {"conductivity": "?"}, [1, [2]]])

@@ -18,6 +18,7 @@ from thermo.observe import read_scene
 DELETE = object()
 LAMP = "runs.lamp"
 HEATER = f"{LAMP}.heater"
+AIR = f"{LAMP}.air.0"
 HISTORY = f"{LAMP}.prescribed.0"
 KELVIN = "at least 150, at most 5000"
 NULL = "a number, or null where"
@@ -147,6 +148,12 @@ BAD: dict[str, tuple[str, Any, str, str, str, str]] = {
                              "[1.0, 0.0", "lower corner", "smallest"),
     "insulated_flat": (f"{LAMP}.insulated", [[[1, 0], [0, 1]]], "insulated[0]", "[1.0, 0.0]",
                        "three finite", "metres"),
+    "air_object": (f"{LAMP}.air", {}, "", "{}", "a list", "write `air`"),
+    "air_key": (f"{AIR}.warmth", 3, "air[0]", "3", "known keys: box, convection", "remove"),
+    "air_box": (f"{AIR}.box", [[1, 0, 0], [0, 1, 1]], "air[0].box", "[1.0, 0.0",
+                "lower corner", "smallest"),
+    "air_negative": (f"{AIR}.convection", -4, "air[0].convection", "-4", "at least 0", "W/m2/K"),
+    "air_celsius": (f"{AIR}.temperature", 30, "air[0].temperature", "30", "least 150", "kelvin"),
     "prescribed_object": (f"{LAMP}.prescribed", {}, "", "{}", "a list", "write"),
     "prescribed_number": (f"{LAMP}.prescribed", [4], "prescribed[0]", "4", "an object", "write"),
     "box_one_corner": (f"{HISTORY}.box", [[0, 0, 0]], "prescribed[0].box", "[[0, 0, 0]]",
@@ -320,6 +327,7 @@ def sound() -> dict[str, Any]:
                    "power": 1, "until": 1, "rise": 0,
                    "course": {"time": [0, 60], "share": [0.9, 1.0]}},
         "insulated": [[[0, 0, 0], [1, 1, 1]]],
+        "air": [{"box": [[0, 0, 0], [1, 1, 1]], "convection": 4, "temperature": 300}],
         "prescribed": [
             {"box": [[0, 0, 0], [1, 1, 1]], "time": [0, 60], "temperature": [300, 301]},
             {"box": [[0, 0, 0], [1, 1, 1]], "history": "end.csv"},

@@ -11,6 +11,7 @@ from thermo.physics.integrators import BackwardEuler, Sdirk2
 
 from .bodies import (
     BACK,
+    FRONT,
     at_sections,
     constant,
     everywhere,
@@ -100,4 +101,24 @@ def test_wall_of_two_layers_in_series() -> None:
         integrator=BackwardEuler(),
     )
     exact = 300 + 50 * two_layer_wall(x, lengths=(0.04, 0.06), conductivities=(0.5, 12.0))
+    np.testing.assert_allclose(steady.final, exact, atol=1e-5)
+
+
+def test_slab_between_two_airs() -> None:
+    space = slab(0.1, 5, order=1)
+    film = on_faces_towards(space, FRONT, value=8.0) + on_faces_towards(space, BACK, value=25.0)
+    warmer = on_faces_towards(space, BACK, value=60.0)
+    model = Model(
+        space, in_cells(space, 0.5), in_cells(space, 1.0),
+        surface=(Convection(film, 290.0, warmer),),
+    )  # fmt: skip
+    steady = simulate(
+        model,
+        everywhere(space, 320.0),
+        uniform_steps(np.array([1e9]), 1e9),
+        integrator=BackwardEuler(),
+    )
+    # Two films and a wall in series between air of 290 and of 350 K.
+    flux = 60.0 / (1 / 8.0 + 0.1 / 0.5 + 1 / 25.0)
+    exact = 290.0 + flux * (1 / 8.0 + space.mesh.nodes[:, 0] / 0.5)
     np.testing.assert_allclose(steady.final, exact, atol=1e-5)

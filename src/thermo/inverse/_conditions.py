@@ -7,7 +7,7 @@ from typing import Final, final
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 from scipy.spatial import KDTree
 
 from thermo.errors import InputError
@@ -38,6 +38,9 @@ class Conditions(eqx.Module):
     - `lit`: the face towards the lamp that is nearest to each cell, (cells,).
     - `exposed`: (faces,), 1 where a face exchanges with air and surroundings, 0 where it is
       insulated [1].
+    - `own`: (faces,), 1 where the body's own convection holds, 0 where that of the air is known
+      [1]; `known`: that one, (faces,) [W/m2/K], and `warmer`: how much warmer than `ambient` that
+      air is, (faces,) [K].
     - `prescribed`: nodes with given temperatures, or None.
     """
 
@@ -49,6 +52,9 @@ class Conditions(eqx.Module):
     schedule: Schedule
     lit: Int[Array, " cells"]
     exposed: Float[Array, " faces"]
+    own: Float[Array, " faces"]
+    known: Float[Array, " faces"]
+    warmer: Float[Array, " faces"]
     prescribed: PrescribedTemperature | None
 
     def start(self, count: int) -> Float[Array, " nodes"]:
@@ -96,14 +102,28 @@ def _misses(what: str, where: str, box: Box, space: Discretisation) -> InputErro
 
 def _expose(run: Run, space: Discretisation) -> Float[np.ndarray, " faces"]:
     exposed = np.ones(len(space.mesh.faces))
-    centres = space.mesh.nodes[space.mesh.faces[:, :3]].mean(1)
     for number, box in enumerate(run.insulated):
-        inside = box.holds(centres, _slack(space))
-        if not inside.any():
-            what = "no face has its centre in an insulated box"
-            raise _misses(what, f"runs.{run.name}.insulated[{number}]", box, space)
-        exposed[inside] = 0.0
+        exposed[_faces_in(box, space, f"runs.{run.name}.insulated[{number}]")] = 0.0
     return exposed
+
+
+def _air(run: Run, space: Discretisation) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """`own`, `known` and `warmer` of `Conditions`."""
+    count = len(space.mesh.faces)
+    own, known, warmer = np.ones(count), np.zeros(count), np.zeros(count)
+    for number, one in enumerate(run.air):
+        inside = _faces_in(one.box(), space, f"runs.{run.name}.air[{number}].box")
+        own[inside], known[inside] = 0.0, one.convection
+        warmer[inside] = one.temperature - run.ambient_temperature
+    return own, known, warmer
+
+
+def _faces_in(box: Box, space: Discretisation, where: str) -> Bool[np.ndarray, " faces"]:
+    centres = space.mesh.nodes[space.mesh.faces[:, :3]].mean(1)
+    inside = box.holds(centres, _slack(space))
+    if not inside.any():
+        raise _misses("no face has its centre in this box", where, box, space)
+    return inside
 
 
 def _check_lamp(heater: Heater, space: Discretisation, where: str) -> None:
@@ -149,8 +169,8 @@ def conditions(run: Run, space: Discretisation) -> Conditions:
     - `run`: temperatures [K], lamp [W], prescribed histories [K].
     - `space`: the discretised body.
 
-    Raises `InputError` where the lamp, a prescribed or an insulated box misses the surface, or a
-    lamp's axis passes far from it.
+    Raises `InputError` where the lamp, the box of a prescribed temperature, of insulation or of
+    air misses the surface, or a lamp's axis passes far from it.
     """
     heater = run.heater
     profile, lit = np.zeros(np.shape(space.face_weight)), np.zeros(len(space.mesh.cells), np.int32)
@@ -171,6 +191,7 @@ def conditions(run: Run, space: Discretisation) -> Conditions:
         _check_lamp(heater, space, f"runs.{run.name}.heater")
         power = heater.power
         schedule, lit = _schedule(heater), _nearest_lit(heater, space)
+    own, known, warmer = _air(run, space)
     return Conditions(
         initial=jnp.asarray(float(run.initial_temperature)),
         ambient=jnp.asarray(float(run.ambient_temperature)),
@@ -180,6 +201,9 @@ def conditions(run: Run, space: Discretisation) -> Conditions:
         schedule=schedule,
         lit=jnp.asarray(lit),
         exposed=jnp.asarray(_expose(run, space)),
+        own=jnp.asarray(own),
+        known=jnp.asarray(known),
+        warmer=jnp.asarray(warmer),
         prescribed=_prescribe(run, space),
     )
 
@@ -195,8 +219,9 @@ def make_model(
     - `lagged`: the paper's lagged radiation in place of the full fourth power.
     """
     kind = LaggedRadiation if lagged else Radiation
+    film = (body.convection * under.own + under.known) * under.exposed
     surface = (
-        Convection(body.convection * under.exposed, under.ambient),
+        Convection(film, under.ambient, under.warmer),
         kind(body.emissivity * under.exposed, under.surroundings),
         Heating(under.power, under.profile, under.schedule),
     )

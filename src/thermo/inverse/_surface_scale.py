@@ -67,6 +67,10 @@ def _scaled_run(run: Run, factor: float) -> Run:
             replace(one, box_min=factor * one.box_min, box_max=factor * one.box_max)
             for one in run.prescribed
         ),
+        air=tuple(
+            replace(one, box_min=factor * one.box_min, box_max=factor * one.box_max)
+            for one in run.air
+        ),
         insulated=tuple(Box(factor * box.low, factor * box.high) for box in run.insulated),
     )
 

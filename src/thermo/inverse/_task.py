@@ -103,7 +103,7 @@ class Task:
         for run in self.runs:
             around = (run.initial_temperature, run.ambient_temperature, run.radiation_temperature)
             # A module's text leaves out what its arrays hold.
-            held = (run.recording, run.heater, run.prescribed, run.insulated)
+            held = (run.recording, run.heater, run.prescribed, run.insulated, run.air)
             leaves = [np.ascontiguousarray(leaf) for leaf in jax.tree.leaves(held)]
             shapes = [leaf.shape for leaf in leaves]
             layout = (run.name, around, run.constant_error, str(jax.tree.structure(held)), shapes)

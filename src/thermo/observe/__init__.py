@@ -7,6 +7,7 @@ recording a run. Everything is SI and temperatures are in kelvin. `read_scene` d
 
 from __future__ import annotations
 
+from ._air import Air
 from ._atomic import replacing, write_whole
 from ._binding import bind
 from ._box import Box
@@ -40,6 +41,7 @@ __all__ = [
     "QUANTITIES",
     "REFERENCE",
     "TIME",
+    "Air",
     "Box",
     "Course",
     "Heater",

@@ -12,6 +12,7 @@ import numpy as np
 
 from thermo.errors import InputError
 
+from ._air import Air
 from ._box import Box
 from ._heater import Heater
 from ._kelvin import check_kelvin_number
@@ -119,6 +120,8 @@ class Run:
         frames of the recording.
     - `insulated`: faces whose centre lies in one of these exchange nothing with air and
         surroundings.
+    - `air`: what air there is over parts of the surface, where its convection is known and is not
+        that of the rest. Where boxes overlap the later one counts; an insulated face has no air.
     - `where`: what messages call this run.
 
     Raises `InputError` for temperatures that cannot be kelvin, an unusable name, a history that
@@ -135,6 +138,7 @@ class Run:
     prescribed: tuple[Prescribed, ...] = ()
     insulated: tuple[Box, ...] = ()
     constant_error: float = 0.0
+    air: tuple[Air, ...] = ()
     where: InitVar[str] = "run"
 
     def __post_init__(self, where: str) -> None:

@@ -7,6 +7,7 @@ from typing import Final
 
 from thermo.errors import InputError
 
+from ._air import Air
 from ._box import Box
 from ._course import Course
 from ._heater import Heater
@@ -30,7 +31,8 @@ _RUN_REQUIRED = (
     "recording", "initial_temperature", "ambient_temperature", "radiation_temperature",
 )  # fmt: skip
 _RUN_OPTIONAL = (
-    "heater", "held_out", "prescribed", "insulated", "constant_error", "description", "notes",
+    "heater", "held_out", "prescribed", "insulated", "air", "constant_error", "description",
+    "notes",
 )  # fmt: skip
 _HEATER = ("centre", "direction", "radius", "power", "until")
 
@@ -52,10 +54,12 @@ def read_scene(folder: Path | str) -> Scene:
     - `prior`*: `QUANTITY_relative_sd`, relative standard deviation of a stated value.
     - `runs.NAME`: `recording` (file), `initial_temperature`, `ambient_temperature`,
         `radiation_temperature` [K], `heater`*, `held_out`*, `prescribed`*, `insulated`*,
-        `constant_error`* [K].
+        `air`*, `constant_error`* [K].
     - `runs.NAME.heater`: null, or `centre`, `direction`, `radius`, `power`, `until`, `rise`*,
         `kind`* (only `spot`), `course`* with `time` [s] and `share` (1); see `Heater`.
     - `runs.NAME.insulated`: a list of boxes [[x, y, z], [x, y, z]] [m]; see `Run`.
+    - `runs.NAME.air`: a list of entries with `box` [m], `convection` [W/m2/K] and `temperature`
+        [K]; see `Air`.
     - `runs.NAME.prescribed`: a list of histories, each with `box` [[x, y, z], [x, y, z]] [m],
         and either `history` (a file, see `read_history`) or `time` [s] and `temperature` [K].
     - `truth`*: for scoring by others; it is dropped unread.
@@ -155,6 +159,7 @@ def _run(section: Section, name: str) -> Run:
         held_out=section.flag("held_out", False),
         prescribed=tuple(_prescribed(section, number) for number in histories),
         insulated=tuple(_insulated(section)),
+        air=tuple(_air(section, number) for number in range(len(section.items("air")))),
         constant_error=section.number_or_null("constant_error") or 0.0,
         recording=read_recording(section.file.parent / section.text("recording")),
         where=section.where(),
@@ -195,6 +200,15 @@ def _insulated(run: Section) -> list[Box]:
         section = Section(run.file, run.path, {key: corners})
         found.append(_box(section, key))
     return found
+
+
+def _air(run: Section, number: int) -> Air:
+    key = f"air[{number}]"
+    section = Section(run.file, run.path, {key: run.table["air"][number]}).section(key)
+    section.check_keys(("box", "convection", "temperature"))
+    box = _box(section, "box")
+    numbers = section.number("convection"), section.number("temperature")
+    return Air(box.low, box.high, *numbers, where=section.where())
 
 
 def _box(section: Section, key: str) -> Box:

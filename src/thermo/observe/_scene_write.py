@@ -114,6 +114,15 @@ def _write_run(stage: Path, name: str, run: Run) -> dict[str, Any]:
         table["prescribed"] = histories
     if run.insulated:
         table["insulated"] = [_corners(box) for box in run.insulated]
+    if run.air:
+        table["air"] = [
+            {
+                "box": _corners(one.box()),
+                "convection": one.convection,
+                "temperature": one.temperature,
+            }
+            for one in run.air
+        ]
     if run.constant_error:
         table["constant_error"] = run.constant_error
     return table

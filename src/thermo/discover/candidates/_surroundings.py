@@ -67,7 +67,8 @@ class LocalConvection(AbstractHeatCandidate):
         """The model [SI] with more convection on patches."""
         shapes = self.place.shapes(jnp.asarray(model.space.face_point))
         patches = jnp.einsum("p,pfq->fq", self.strength, shapes)
-        return _also(model, Convection(patches * under.exposed[:, None], under.ambient))
+        film = patches * under.exposed[:, None]
+        return _also(model, Convection(film, under.ambient, under.warmer))
 
 
 @final

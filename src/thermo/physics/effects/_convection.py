@@ -20,23 +20,28 @@ def _at_points(of: Shares) -> Float[Array, "faces points"]:
 
 @final
 class Convection(AbstractSurfaceEffect):
-    """Newton's law q = h (T_ambient - T).
+    """Newton's law q = h (T_ambient + warmer - T).
 
     - `coefficient`: h of each face, (faces,), or of its points, (faces, points) [W/m2/K]; zero
       where it does not exchange.
     - `ambient`: [K], constant or a history.
+    - `warmer`: by how much the air is warmer than that on each face, (faces,) [K]; nowhere if None.
 
     Source: paper, boundary condition (checklist B2).
     """
 
     coefficient: Shares
     ambient: Float[Array, ""] | float | History
+    warmer: Float[Array, " faces"] | None = None
 
     def flux(
         self, temperature: Float[Array, "faces points"], time: Time
     ) -> Float[Array, "faces points"]:
         """Flux into the body [W/m2] at surface temperatures [K] and a time [s]."""
-        return _at_points(self.coefficient) * (value_at(self.ambient, time) - temperature)
+        air = value_at(self.ambient, time)
+        if self.warmer is not None:
+            air = air + self.warmer[:, None]
+        return _at_points(self.coefficient) * (air - temperature)
 
     def local(self) -> bool:
         """Yes: the flux at a point knows no other temperature [K]."""
