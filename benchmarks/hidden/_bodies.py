@@ -10,8 +10,12 @@ from scipy.sparse import csr_array
 from skfem import Basis, ElementTetP2, FacetBasis, MeshTet
 
 
-def body_mesh(shape: str) -> MeshTet:
-    """A body [m], its cells thinner towards the skin, where temperatures vary most."""
+def body_mesh(shape: str, layers: int = 1) -> MeshTet:
+    """A body [m], its cells thinner towards the skin, where temperatures vary most.
+
+    `layers`: how many times as many cells lie along z, the way of the lamps [1]; the skin keeps its
+    shape.
+    """
 
     def axis(low: float, high: float, cells: int) -> np.ndarray:
         even = np.linspace(-1, 1, cells + 1)
@@ -21,37 +25,41 @@ def body_mesh(shape: str) -> MeshTet:
     match shape:
         case "block":
             return MeshTet.init_tensor(
-                axis(-0.018, 0.018, 13), axis(-0.013, 0.013, 10), axis(-0.009, 0.009, 6)
+                axis(-0.018, 0.018, 13), axis(-0.013, 0.013, 10), axis(-0.009, 0.009, 6 * layers)
             )
         case "plate":
             return MeshTet.init_tensor(
-                axis(-0.025, 0.025, 16), axis(-0.018, 0.018, 12), axis(-0.004, 0.004, 4)
+                axis(-0.025, 0.025, 16), axis(-0.018, 0.018, 12), axis(-0.004, 0.004, 4 * layers)
             )
         case "cylinder":
-            mesh = MeshTet.init_tensor(axis(-1, 1, 8), axis(-1, 1, 8), axis(-0.02, 0.02, 9))
+            mesh = MeshTet.init_tensor(
+                axis(-1, 1, 8), axis(-1, 1, 8), axis(-0.02, 0.02, 9 * layers)
+            )
             x, y, z = mesh.p
             round_ = np.stack([x * np.sqrt(1 - y**2 / 2), y * np.sqrt(1 - x**2 / 2)]) * 0.014
             return MeshTet(np.stack([*round_, z]), mesh.t)
         case "ell":
-            ways = axis(-0.02, 0.02, 14), axis(-0.016, 0.016, 12), axis(-0.007, 0.007, 5)
+            ways = axis(-0.02, 0.02, 14), axis(-0.016, 0.016, 12), axis(-0.007, 0.007, 5 * layers)
             mesh = MeshTet.init_tensor(*ways)
             x, y, _ = mesh.p[:, mesh.t].mean(1)
             corner = (x > ways[0][len(ways[0]) // 2]) & (y > ways[1][len(ways[1]) // 3])
             return mesh.remove_elements(np.flatnonzero(corner))
         case "dome":
-            mesh = MeshTet.init_tensor(axis(-1, 1, 16), axis(-1, 1, 16), axis(0, 1, 7))
+            mesh = MeshTet.init_tensor(axis(-1, 1, 16), axis(-1, 1, 16), axis(0, 1, 7 * layers))
             x, y, z = mesh.p
             height = 0.006 + 0.012 * np.exp(-1.5 * (x**2 + 0.6 * y**2))
             return MeshTet(np.stack([0.02 * x, 0.017 * y, z * height - 0.008]), mesh.t)
         case "arch":
-            mesh = MeshTet.init_tensor(axis(-0.018, 0.018, 12), axis(-0.6, 0.6, 14), axis(-1, 1, 6))
+            mesh = MeshTet.init_tensor(
+                axis(-0.018, 0.018, 12), axis(-0.6, 0.6, 14), axis(-1, 1, 6 * layers)
+            )
             x, angle, z = mesh.p
             radius = 0.028 + 0.0045 * z
             ring = np.stack([radius * np.sin(angle), radius * np.cos(angle) - 0.028])
             return MeshTet(np.stack([x, *ring]), mesh.t)
         case "wedge":
             mesh = MeshTet.init_tensor(
-                axis(-0.022, 0.022, 15), axis(-0.014, 0.014, 10), axis(0, 1, 6)
+                axis(-0.022, 0.022, 15), axis(-0.014, 0.014, 10), axis(0, 1, 6 * layers)
             )
             x, y, z = mesh.p
             return MeshTet(np.stack([x, y, 0.006 + (z - 1) * (0.0105 + 0.25 * x)]), mesh.t)
@@ -80,17 +88,21 @@ class Body:
     surface: trimesh.Trimesh
 
 
-def body(shape: str, samples: int, seed: int, finer: int = 0) -> Body:
+def body(shape: str, samples: int, seed: int, finer: int = 0, layers: int = 1) -> Body:
     """A body with `samples` points on its skin, drawn evenly over the area by a seed [1].
 
-    `finer`: how often the cells at its skin are cut [1].
+    `finer`: how often the cells at its skin are cut, across their longest edges [1]; `layers`: see
+    `body_mesh`. Points and surface are those of the usual cells.
     """
-    return body_of(body_mesh(shape), samples, seed, finer)
+    usual = body_mesh(shape)
+    return body_of(usual, samples, seed, finer, body_mesh(shape, layers))
 
 
-def body_of(coarse: MeshTet, samples: int, seed: int, finer: int = 0) -> Body:
-    """The same for cells [m] of one's own."""
-    mesh = coarse
+def body_of(
+    coarse: MeshTet, samples: int, seed: int, finer: int = 0, cells: MeshTet | None = None
+) -> Body:
+    """The same for cells [m] of one's own; `cells` in their place within the same skin."""
+    mesh = coarse if cells is None else cells
     for _ in range(finer):
         # Across their longest edges: faces stay where they are.
         mesh = mesh.refined(np.unique(mesh.f2t[0, mesh.boundary_facets()]))
