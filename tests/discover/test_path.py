@@ -66,7 +66,7 @@ def searched(
         "scored": lambda made, *_, **__: scores.append(made) or table,
         "_alarm": lambda _: next(raised),
         "_slight": lambda made, _, rough: rough and late is not (made is standings[0]),
-        "checked": lambda *_: (next(order), table),
+        "checked": lambda *_, **__: (next(order), table),
         "refits": lambda *_: [None],
         "put_first": lambda made, _: made,
         "make_round": lambda *_: next(made),
@@ -223,26 +223,26 @@ def test_what_only_cells_raise_is_told(
     began = Standing(usual, {}, made.point, (), made.ended, made.allowed)
     measured: list[int] = []
 
-    def fitted(anew: Standing, times: int) -> Standing:
-        assert anew.bench is smaller
-        measured.append(times)
-        return anew
+    def refined(before: Standing, bench: Bench, *, rough: bool) -> Standing:
+        assert bench is smaller and before.bench is usual and not rough
+        measured.append(1)
+        return replace(before, bench=bench)
 
     monkeypatch.setattr(_path, "finest", lambda _: smaller)
-    monkeypatch.setattr(_path, "fitted", fitted)
+    monkeypatch.setattr(_path, "refined", refined)
     monkeypatch.setattr(_path, "scored", lambda *_, **__: table_of(z))
     remarks: list[str] = []
     # A score to the side on which its strength cannot be raises no alarm, however large.
     before = beside(table_of(4.2), table_of(-9.0, Void.card))
-    last, anew = _path.checked(began, began, 0.04, (), before, silent(), remarks)
+    last, anew = _path.checked(began, began, 0.04, (), before, silent(), remarks, rough=False)
     assert measured == [1] and last.bench is smaller and anew.scores[0].z == z
     assert (remarks == []) is (z > 3.4)
     assert all("4.2 passed the threshold" in one for one in remarks)
     there = replace(began, bench=replace(usual, ready=replace(usual.ready, grids={})))
-    same = _path.checked(began, there, 0.04, (), before, silent(), [])
+    same = _path.checked(began, there, 0.04, (), before, silent(), [], rough=False)
     assert same == (began, before), "on another mesh than where it began"
     monkeypatch.setattr(_path, "finest", lambda bench: bench)
-    same = _path.checked(began, began, 0.04, (), before, silent(), [])
+    same = _path.checked(began, began, 0.04, (), before, silent(), [], rough=False)
     assert same == (began, before), "no smaller cells"
 
 

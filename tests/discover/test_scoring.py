@@ -17,6 +17,10 @@ from thermo.discover.candidates import HiddenSource, LatentHeat, TemperatureDepe
 def test_where_all_there_is_stands_at_work_nothing_is_scored() -> None:
     found = scored(standing(60.0, 2), (), alpha=0.04)
     assert found.scores == [] and found.unseen == [] and found.threshold > 2
+    # Where cells scatter scores as well, they have to be as much larger.
+    rough = standing(60.0, 2)
+    object.__setattr__(rough.bench, "scatter", 1.5)
+    assert scored(rough, (), alpha=0.04).threshold == pytest.approx(1.5 * found.threshold)
 
 
 def test_laws_are_put_beside_all_kinds_whatever_is_at_work() -> None:

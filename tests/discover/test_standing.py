@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
+import jax.numpy as jnp
 import numpy as np
 import pytest
+from lit_box import MESH, STATED
 from standings import standing
 
 from thermo.discover import _standing
-from thermo.discover._standing import fitted, share_closed
+from thermo.discover._bench import Apart, Bench
+from thermo.discover._standing import Standing, fitted, refined, share_closed
+from thermo.inverse import Ready
+
+from .lit_objective import box_task, objective
 
 
 def test_what_is_left_is_never_less_than_noise() -> None:
@@ -36,3 +45,39 @@ def test_a_fit_makes_room_for_its_program(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(_standing, "make_room", make_room)
     with pytest.raises(AskedFor):
         fitted(standing(60.0, 2), times=0)
+
+
+@pytest.mark.parametrize("rough", [False, True])
+def test_what_the_smallest_cells_leave_scatters_scores_where_cells_are_rough(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, rough: bool
+) -> None:
+    small = Bench(box_task(tmp_path), Ready(MESH, STATED, {}, {}, {}, {}), objective(), MESH)
+    smallest = replace(small)
+    made = standing(60.0, 1)
+    before = Standing(small, {}, made.point, (), made.ended, made.allowed)
+    one = jnp.asarray([[[3.0, jnp.nan]]])
+    asked: list[Bench] = []
+
+    def finer_runs(bench: Bench, _: object) -> Apart:
+        asked.append(bench)
+        return [one + 0.5] if bench is smallest else [one]
+
+    def columns(_: object, __: object, apart: Apart, count: int, share: float) -> np.ndarray:
+        # Of an error of second order, 4/5 of what edges of a half and of a third are apart is left.
+        assert share == pytest.approx(0.8)
+        return np.full((count, 1), share * float(np.asarray(apart[0]).sum()))
+
+    def fit(anew: Standing, *, times: int) -> Standing:
+        assert times == 0, "what cells make wrong is known there"
+        return anew
+
+    monkeypatch.setattr(_standing, "with_few_places", lambda one: (one, {}))
+    monkeypatch.setattr(_standing, "finer_runs", finer_runs)
+    monkeypatch.setattr(_standing, "corrected", lambda bench, *_: bench)
+    monkeypatch.setattr(_standing, "error_columns", columns)
+    monkeypatch.setattr(_standing, "fitted", fit)
+    scatter = refined(before, smallest, rough=rough).bench.scatter
+    assert len(asked) == (2 if rough else 1) and asked[0] is smallest
+    # Of the error 0.4 in each value nothing is fitted away, and there is one smooth shape.
+    values = len(before.ended.residual)
+    assert scatter == pytest.approx(np.sqrt(1 + 0.4**2 * values) if rough else 1.0)

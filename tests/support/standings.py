@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from thermo.discover._allowance import Allowance
+from thermo.discover._bench import Bench
 from thermo.discover._descent import Ended
 from thermo.discover._entries import Active
 from thermo.discover._extended import Extended
@@ -28,7 +29,7 @@ def standing(
     allowed = Allowance([block], np.zeros((VALUES, 0)), np.zeros(0))
     for name, value in [
         ("ended", Ended(NOTHING, residual, np.zeros((VALUES, free)))), ("allowed", allowed),
-        ("active", active), ("point", NOTHING),
+        ("active", active), ("point", NOTHING), ("bench", object.__new__(Bench)),
     ]:  # fmt: skip
         object.__setattr__(made, name, value)
     return made

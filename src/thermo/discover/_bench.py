@@ -42,6 +42,10 @@ _MORE: Final = 4.0
 FINEST: Final = 3.0
 """Edges of a fit's cells over those that a slight alarm is checked against [1]."""
 
+FINEST_LEFT: Final = 1 / ((FINEST / FINER) ** 2 - 1)
+"""What those cells are still wrong by, over how far they are from those half as long as a fit's
+[1], where errors are of second order."""
+
 Points = Float[np.ndarray, "points 3"]
 
 Apart = list[Float[Array, "runs frames samples"]]
@@ -56,6 +60,7 @@ class Bench:
     - `coarse`: linear cells and few steps, what they make wrong added where it was measured last.
     - `finer`: the mesh [m] that they are measured against.
     - `memory`: of what was worked out before an interruption.
+    - `scatter`: of scores by noise and by what `finer` leaves, over that by noise alone [1].
     """
 
     task: Task
@@ -63,6 +68,7 @@ class Bench:
     coarse: Objective
     finer: Mesh
     memory: Memory = Memory()
+    scatter: float = 1.0
 
     def first(self, candidates: tuple[Candidate, ...]) -> Extended:
         """The point where the scene puts the fields, its candidates as they are [1]."""

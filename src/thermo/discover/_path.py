@@ -27,7 +27,15 @@ from thermo.discover._rounds import (
 )
 from thermo.discover._scores import ScoreTable, credible
 from thermo.discover._scoring import scored
-from thermo.discover._standing import BY_SHAPES, WORTH, Standing, fitted, share_closed, without
+from thermo.discover._standing import (
+    BY_SHAPES,
+    WORTH,
+    Standing,
+    fitted,
+    refined,
+    share_closed,
+    without,
+)
 from thermo.discover._verdict import Effect, Round, Word
 from thermo.errors import InputError
 from thermo.inverse import FINER
@@ -52,6 +60,11 @@ _SLIGHT: Final = 3.0
 _CELLS: Final = (
     "A score of {:.3g} passed the threshold against cells {:g} times as short as a fit's, and none "
     "does against cells {:g} times as short: it came from the cells."
+)
+_SCATTER: Final = (
+    "Cells {:g} times as short as a fit's may still be wrong by so much that scores scatter {:.2g} "
+    "times as far as by noise alone, and the threshold is as much higher. A larger "
+    "mesh.cells_per_depth leaves less."
 )
 _BURST: Final = (
     "With {} at work smaller cells leave more than without it; cells stay as they are, and what "
@@ -105,7 +118,8 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace, *, rough: b
         table = scored(standing, laws, alpha=share * _BY_SCORE)
         if not tried and _slight(standing, table, rough):
             tried, alpha = True, share * _BY_SCORE
-            standing, table = checked(standing, begun, alpha, laws, table, pace, remarks)
+            checking = standing, begun, alpha, laws, table, pace, remarks
+            standing, table = checked(*checking, rough=rough)
             begun = begun if number else standing
         tables.append(table)
         calm = standing.chance() > share * BY_SHAPES
@@ -154,6 +168,8 @@ def checked(
     table: ScoreTable,
     pace: Pace,
     remarks: list[str],
+    *,
+    rough: bool,
 ) -> tuple[Standing, ScoreTable]:
     """What cells make wrong measured against smaller ones, and scores [1] with that.
 
@@ -166,9 +182,11 @@ def checked(
     bench = finest(standing.bench)
     if bench is standing.bench or bench.ready is not begun.bench.ready:
         return standing, table
-    standing = fitted(replace(standing, bench=bench), times=1)
+    standing = refined(standing, bench, rough=rough)
     anew = scored(standing, laws, alpha=alpha)
     raised = [abs(one.z) for one in table.scores if credible(one, table.threshold)]
+    if rough:
+        remarks.append(_SCATTER.format(FINEST, standing.bench.scatter))
     if raised and not _alarm(anew):
         remarks.append(_CELLS.format(max(raised), FINER, FINEST))
     return standing, anew

@@ -18,7 +18,10 @@ from thermo.discover._standing import Standing, with_few_places
 
 
 def scored(standing: Standing, laws: tuple[Candidate, ...], *, alpha: float) -> ScoreTable:
-    """The table of all candidates but those at work."""
+    """The table of all candidates but those at work.
+
+    Its threshold is as much higher as scores scatter more than by noise alone [1].
+    """
     make_room()
     point = standing.point
     here = [one for one in entries(point) if (one.card.name, one.part) not in standing.active]
@@ -27,10 +30,11 @@ def scored(standing: Standing, laws: tuple[Candidate, ...], *, alpha: float) -> 
     parts = [np.zeros((len(standing.ended.residual), 0))] + [
         _signatures(standing, at, some) for at, some in ((point, here), (beside, there)) if some
     ]
-    return score_table(
+    table = score_table(
         [*here, *there], standing.allowed.whiten(np.concatenate(parts, 1)),
         standing.ended.residual, projection(standing.ended.slopes), alpha=alpha,
     )  # fmt: skip
+    return replace(table, threshold=table.threshold * standing.bench.scatter)
 
 
 def _law_entries(standing: Standing, laws: tuple[Candidate, ...]) -> tuple[Extended, list[Entry]]:

@@ -104,16 +104,16 @@ def omnibus(
 
 
 def error_columns(
-    runs: list[Block], objective: Objective, apart: Apart, count: int
+    runs: list[Block], objective: Objective, apart: Apart, count: int, share: float = DEFECT_LEFT
 ) -> Float[np.ndarray, "values runs"]:
-    """A column for each run: the share that may be left of its errors [K], whitened [1].
+    """A column for each run: the `share` that may be left of its errors [K], whitened [1].
 
     `count`: of all values in the residual, those of priors among them.
     """
     white = np.asarray(whitened(objective, apart))
     made = np.zeros((count, len(runs)))
     for number, block in enumerate(runs):
-        made[block.part, number] = DEFECT_LEFT * white[block.part]
+        made[block.part, number] = share * white[block.part]
     return made
 
 

@@ -15,12 +15,13 @@ from scipy.stats import chi2
 
 from thermo._compiled import make_room
 from thermo.discover._allowance import Allowance
-from thermo.discover._bench import Bench, corrected, finer_runs, steps_for
+from thermo.discover._bench import FINEST_LEFT, Bench, corrected, finer_runs, steps_for
 from thermo.discover._candidate import Candidate
 from thermo.discover._descent import Ended, Free, descend
 from thermo.discover._entries import Active, entry_of, field_entries, free_entries, joined
 from thermo.discover._extended import Extended, moved
-from thermo.discover._softening import omnibus
+from thermo.discover._projection import projection
+from thermo.discover._softening import error_columns, omnibus
 
 WORTH: Final = 0.5
 """An effect has to close this share of what is left [1]."""
@@ -173,6 +174,31 @@ def fitted(standing: Standing, *, times: int, rival: float = np.inf) -> Standing
     )
     point = replace(small.point, candidates=back)
     return replace(standing, bench=small.bench, point=point, ended=small.ended)
+
+
+def refined(standing: Standing, bench: Bench, *, rough: bool) -> Standing:
+    """Fitted anew against the smaller cells of a bench [1].
+
+    Where cells are `rough` those too may raise a score. What they are still wrong by is as large as
+    how far they are from the former ones tells; its shape is not known. Spread at random over as
+    many shapes as there are smooth ones, D, an error of the norm e scatters scores by e / D^1/2
+    beside noise.
+
+    Source: Richardson, Phil. Trans. R. Soc. A 210 (1911) 307, the deferred approach to the limit;
+    Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001) 425, a discrepancy of the model.
+    """
+    here = with_few_places(standing)[0].point
+    wanted = finer_runs(bench, here)
+    before = finer_runs(standing.bench, here) if rough else wanted
+    bench = corrected(bench, here, wanted)
+    after = fitted(replace(standing, bench=bench), times=0)
+    apart = [jnp.nan_to_num(one - other) for one, other in zip(wanted, before, strict=True)]
+    columns = error_columns(
+        after.allowed.runs, bench.coarse, apart, len(after.ended.residual), FINEST_LEFT
+    )
+    left = projection(after.ended.slopes).left(after.allowed.whiten(columns))
+    scatter = float(np.sqrt(1 + np.sum(left**2) / after.gap()[1]))
+    return replace(after, bench=replace(bench, scatter=scatter))
 
 
 def _descended(standing: Standing, free: Free, rival: float) -> Ended:
