@@ -224,9 +224,9 @@ def test_what_only_cells_raise_is_told(
     measured: list[int] = []
 
     def refined(before: Standing, bench: Bench, *, rough: bool) -> Standing:
-        assert bench is smaller and before.bench is usual and not rough
+        assert bench is smaller and before.bench is usual
         measured.append(1)
-        return replace(before, bench=bench)
+        return replace(before, bench=replace(bench, scatter=1.73) if rough else bench)
 
     monkeypatch.setattr(_path, "finest", lambda _: smaller)
     monkeypatch.setattr(_path, "refined", refined)
@@ -238,6 +238,9 @@ def test_what_only_cells_raise_is_told(
     assert measured == [1] and last.bench is smaller and anew.scores[0].z == z
     assert (remarks == []) is (z > 3.4)
     assert all("4.2 passed the threshold" in one for one in remarks)
+    scattered: list[str] = []
+    _path.checked(began, began, 0.04, (), before, silent(), scattered, rough=True)
+    assert "scatter 1.7 times as far" in scattered[0] and scattered[1:] == remarks
     there = replace(began, bench=replace(usual, ready=replace(usual.ready, grids={})))
     same = _path.checked(began, there, 0.04, (), before, silent(), [], rough=False)
     assert same == (began, before), "on another mesh than where it began"

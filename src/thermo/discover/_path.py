@@ -61,6 +61,8 @@ _CELLS: Final = (
     "A score of {:.3g} passed the threshold against cells {:g} times as short as a fit's, and none "
     "does against cells {:g} times as short: it came from the cells."
 )
+# Worth telling [1].
+_FAR: Final = 1.05
 _SCATTER: Final = (
     "Cells {:g} times as short as a fit's may still be wrong by so much that scores scatter {:.2g} "
     "times as far as by noise alone, and the threshold is as much higher. A larger "
@@ -185,7 +187,7 @@ def checked(
     standing = refined(standing, bench, rough=rough)
     anew = scored(standing, laws, alpha=alpha)
     raised = [abs(one.z) for one in table.scores if credible(one, table.threshold)]
-    if rough:
+    if standing.bench.scatter > _FAR:
         remarks.append(_SCATTER.format(FINEST, standing.bench.scatter))
     if raised and not _alarm(anew):
         remarks.append(_CELLS.format(max(raised), FINER, FINEST))
