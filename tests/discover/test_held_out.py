@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.signal import lfilter
 
-from thermo.discover._held_out import closed, closed_interval
+from thermo.discover._held_out import _compared, closed, closed_interval
+from thermo.observe import Recording, Run
 
 FRAMES = 50.0
 
@@ -47,3 +49,26 @@ def test_noise_that_is_not_well_known_widens_the_interval(doubt: float) -> None:
     assert ends is not None
     low, high = (1 - (0.9 - 1.96 * way * doubt) / (9 - 1.96 * way * doubt) for way in (-1, 1))
     assert ends == pytest.approx((low, high), abs=0.03 * doubt)
+
+
+def test_readings_that_follow_each_other_are_as_much_noise_as_they_are() -> None:
+    random, size = np.random.default_rng(3), 0.05
+    points = np.stack(
+        [random.uniform(0.002, 0.018, 24), random.uniform(0.002, 0.01, 24), np.full(24, 0.008)], 1
+    )
+    fresh = random.standard_normal((360, 24)) * size * np.sqrt(1 - 0.6**2)
+    noise = lfilter([1.0], [1.0, -0.6], fresh, axis=0)[60:]
+    time = np.linspace(0.0, 24.0, 200)
+    record = Recording(points, time, 300.0 + noise[100:], quiet=300.0 + noise[:100])
+    one = Run("dark", record, 300.0, 300.0, 300.0)
+    # A difference that grows, of which a half in the mean square is left.
+    gap = 0.09 * np.sqrt(3.0) * np.linspace(0.0, 1.0, 200)[:, None] * np.ones(24)
+    before, after = (noise[100:] + part * gap for part in (1.0, np.sqrt(0.5)))
+    found = _compared((before, after), one, time)
+    assert found.gap_closed == pytest.approx(0.5, abs=0.05)
+    # Weighed as readings that follow each other are, a slow difference is little beside noise whose
+    # size is known to 13 %, and all of it might have been closed.
+    assert found.doubt == pytest.approx(0.13, abs=0.01) and found.interval95 is not None
+    assert 0.4 < found.interval95[0] < 0.5 < found.interval95[1] < 0.6
+    alike = _compared((noise[100:], noise[100:]), one, time)
+    assert alike.gap_closed is None, "nothing to close"

@@ -6,15 +6,13 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
 from thermo.discover._bench import Bench, finer_runs
-from thermo.discover._extended import Extended, whitened
+from thermo.discover._extended import Extended
 from thermo.discover._verdict import Differences, HeldOut
-from thermo.inverse import Case, Objective, at_once, coarse_tangents, lay_out, staying
+from thermo.inverse import at_once, coarse_tangents, lay_out, staying
 from thermo.observe import Run, estimate_noise, variance_error
 
 # Fewer samples than these [1] are no sample of the body; draws of them.
@@ -37,43 +35,40 @@ def held_out(bench: Bench, stated: Extended, extended: Extended) -> Mapping[str,
     for number, case in enumerate(like.cases):
         apart = [np.nan_to_num(np.asarray(read[number]) - np.asarray(case.data)) for read in both]
         for row in range(len(case.data)):
-            one = replace(like, cases=(_only(case, row),))
-            pair = (apart[0][row : row + 1], apart[1][row : row + 1])
             run = runs[next(order)]
             time = np.asarray(ready.grids[run.name].frame_time)
-            found[run.name] = _compared(one, pair, run, time)
+            here = slice(len(time)), slice(len(run.recording.points))
+            used = np.asarray(case.used)[row][here] > 0
+            pair = [np.where(used, each[row][here], np.nan) for each in apart]
+            found[run.name] = _compared((pair[0], pair[1]), run, time)
     return found
 
 
 def _compared(
-    one: Objective,
-    apart: tuple[np.ndarray, np.ndarray],
+    apart: tuple[Float[np.ndarray, "frames samples"], Float[np.ndarray, "frames samples"]],
     run: Run,
     time: Float[np.ndarray, " frames"],
 ) -> HeldOut:
-    """Differences of one run before and after [K], at its times [s]."""
-    used = np.asarray(one.cases[0].used) > 0
-    here = slice(len(time)), slice(len(run.recording.points))
-    both = [_staying_off(np.where(used, each, np.nan)[0][here], run) for each in apart]
+    """Differences of one run before and after [K], at its times [s]; NaN where nothing is read."""
+    both = [_staying_off(each, run) for each in apart]
     apart_there = Differences(time, run.recording.points, *both)
     before, after = (float(np.sqrt(np.nanmean(each**2))) for each in both)
-    told, rest = (
-        np.asarray(whitened(one, [jnp.asarray(each)])).reshape(used.shape[-2:]) for each in apart
-    )
-    squares = np.stack([np.sum(told**2, 0), np.sum(rest**2, 0), used[0].sum(0)])
-    noise, doubt = estimate_noise(run.recording).fluctuation(), variance_error(run.recording)
+    told, doubt = estimate_noise(run.recording), variance_error(run.recording)
+    noise, count = told.fluctuation(), np.isfinite(both[0]).sum(0)
+    squares = np.stack([*(np.nansum(each**2, 0) for each in both), noise**2 * count])
     whole = squares.sum(1)
     # Beyond the scatter of noise alone there is nothing to close.
-    if whole[0] - whole[2] <= 5 * np.sqrt(2 * whole[2]):
+    follow = (1 + told.correlation**2) / (1 - told.correlation**2)
+    if whole[0] - whole[2] <= 5 * noise**2 * np.sqrt(2 * count.sum() * follow):
         return HeldOut(before, after, noise, None, None, doubt, apart_there)
     ends = closed_interval(squares, doubt)
     return HeldOut(before, after, noise, float(closed(whole)), ends, doubt, apart_there)
 
 
 def closed(squares: Float[np.ndarray, "3 *draws"]) -> Float[np.ndarray, "*draws"]:
-    """Share closed [1] of squares before, after, and of their number."""
-    before, after, count = squares
-    return np.asarray(1 - (after - count) / (before - count))
+    """Share closed [1] of squares before, after, and of noise alone [K2]."""
+    before, after, noise = squares
+    return np.asarray(1 - (after - noise) / (before - noise))
 
 
 def closed_interval(
@@ -81,8 +76,9 @@ def closed_interval(
 ) -> tuple[float, float] | None:
     """In which 95 % of the shares closed [1] lie, samples drawn anew with all their readings.
 
-    `squares`: of each sample before and after, and how many [1]; `doubt`: deviation of the variance
-    of noise as it was told, over that variance, drawn as well [1]. None with too few samples.
+    `squares`: of each sample before and after, and of noise alone [K2]; `doubt`: deviation of the
+    variance of noise as it was told, over that variance, drawn as well [1]. None with too few
+    samples.
 
     Source: Efron and Tibshirani, An Introduction to the Bootstrap (1993), chapter 13, percentiles.
     """
@@ -102,7 +98,3 @@ def _staying_off(
 ) -> Float[np.ndarray, "frames samples"]:
     """Differences [K] without the constant errors of samples."""
     return apart + staying(-apart, run)
-
-
-def _only(case: Case, row: int) -> Case:
-    return jax.tree.map(lambda leaf: leaf[row : row + 1], case)
