@@ -222,7 +222,8 @@ def test_stacked_runs_are_padded_with_steps_of_no_time_and_data_of_no_weight(sce
 
 def test_runs_of_another_structure_are_not_stacked(scene: Scene) -> None:
     lamp, cooling = case(scene.runs["lamp"]), case(scene.runs["cooling"])
-    fewer = {"profile": lamp.under.profile[:-1], "exposed": lamp.under.exposed[:-1]}
+    of_faces = ("profile", "exposed", "own", "known", "warmer")
+    fewer = {name: getattr(lamp.under, name)[:-1] for name in of_faces}
     other = replace(cooling, under=replace(cooling.under, **fewer))
     cases = [lamp, other, case(scene.runs["test_lamp"])]
     groups = stack_cases(cases)
