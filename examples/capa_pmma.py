@@ -90,7 +90,7 @@ def test_of(data: Path, flux: int) -> Run:
         name=f"flux_{flux}", recording=Recording(np.zeros((1, 3)), time, seen[:, None]),
         initial_temperature=float(seen[0]), ambient_temperature=gas, radiation_temperature=ROOM,
         heater=Heater([0.0, 0.0, 1.0], [0.0, 0.0, -1.0], 1.0, power, 1e6, 0.0), insulated=(sides,),
-        air=(Air([-1.0, -1.0, -1.0], [1.0, 1.0, 1e-3 * THICKNESS], BACK, behind),),
+        air=(Air(Box([-1.0, -1.0, -1.0], [1.0, 1.0, 1e-3 * THICKNESS]), BACK, behind),),
     )  # fmt: skip
 
 

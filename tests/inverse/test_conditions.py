@@ -138,8 +138,8 @@ def test_air_that_is_known_takes_the_place_of_the_bodys_convection(scene: Scene)
     run = scene.runs["cooling"]
     height = float(MESH.nodes[:, 2].max())
     top = ([-1.0, -1.0, height], [2.0, 2.0, height])
-    still = Air(*top, 4.0, run.ambient_temperature)
-    warm = Air(*top, 4.0, run.ambient_temperature + 30.0)
+    still = Air(Box(*top), 4.0, run.ambient_temperature)
+    warm = Air(Box(*top), 4.0, run.ambient_temperature + 30.0)
     up = np.asarray(MESH.normals[:, 2] > 0.5)
     body = properties(Stated(0.8, 1.54e6, 25.0, 0.0), {}, len(MESH.cells), len(MESH.faces))
     areas = face_areas(MESH)
@@ -160,7 +160,7 @@ def test_air_that_is_known_takes_the_place_of_the_bodys_convection(scene: Scene)
 
 
 def test_air_away_from_the_surface_is_refused(scene: Scene) -> None:
-    air = Air([5.0, 0.0, 0.0], [6.0, 1.0, 1.0], 4.0, 300.0)
+    air = Air(Box([5.0, 0.0, 0.0], [6.0, 1.0, 1.0]), 4.0, 300.0)
     with pytest.raises(InputError, match="no face has its centre") as caught:
         conditions(replace(scene.runs["cooling"], air=(air,)), SPACE)
     assert caught.value.where == "runs.cooling.air[0].box" and "5.0" in str(caught.value.value)

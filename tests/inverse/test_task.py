@@ -41,9 +41,9 @@ CHANGES: dict[str, Callable[[Run], Run]] = {
     "ambient": lambda run: replace(run, ambient_temperature=301.0),
     "insulated": lambda run: replace(run, insulated=(Box(*CORNERS),)),
     "insulated_less": lambda run: replace(run, insulated=(Box(CORNERS[0], CORNERS[0]),)),
-    "air": lambda run: replace(run, air=(Air(*CORNERS, 4.0, 300.0),)),
-    "air_warmer": lambda run: replace(run, air=(Air(*CORNERS, 4.0, 301.0),)),
-    "air_faster": lambda run: replace(run, air=(Air(*CORNERS, 5.0, 300.0),)),
+    "air": lambda run: replace(run, air=(Air(Box(*CORNERS), 4.0, 300.0),)),
+    "air_warmer": lambda run: replace(run, air=(Air(Box(*CORNERS), 4.0, 301.0),)),
+    "air_faster": lambda run: replace(run, air=(Air(Box(*CORNERS), 5.0, 300.0),)),
     "prescribed": lambda run: replace(run, prescribed=(Prescribed(*CORNERS, *HISTORY),)),
     "prescribed_else": lambda run: replace(
         run, prescribed=(Prescribed(CORNERS[0], CORNERS[0], *HISTORY),)

@@ -175,7 +175,7 @@ def test_every_documented_key_is_read(folder: Path) -> None:
     np.testing.assert_array_equal([box.low, box.high], [[-1e-3] * 3, [0.05, 0.05, 1e-3]])
     (air,) = lamp.air
     assert (air.convection, air.temperature) == (4.0, 299.0)
-    np.testing.assert_array_equal(air.box_max, [0.05, 0.05, 1e-3])
+    np.testing.assert_array_equal(air.box.high, [0.05, 0.05, 1e-3])
     inline, file = lamp.prescribed
     np.testing.assert_array_equal(inline.box_max, [1e-3, 0.05, 0.05])
     np.testing.assert_array_equal(inline.temperature, [295.0, 296.0, 297.0])

@@ -189,9 +189,11 @@ def refined(standing: Standing, bench: Bench, *, rough: bool) -> Standing:
     """
     here = with_few_places(standing)[0].point
     wanted = finer_runs(bench, here)
-    before = finer_runs(standing.bench, here) if rough else wanted
     bench = corrected(bench, here, wanted)
     after = fitted(replace(standing, bench=bench), times=0)
+    if not rough:
+        return after
+    before = finer_runs(standing.bench, here)
     apart = [jnp.nan_to_num(one - other) for one, other in zip(wanted, before, strict=True)]
     columns = error_columns(
         after.allowed.runs, bench.coarse, apart, len(after.ended.residual), FINEST_LEFT

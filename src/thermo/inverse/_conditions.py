@@ -112,7 +112,7 @@ def _air(run: Run, space: Discretisation) -> tuple[np.ndarray, np.ndarray, np.nd
     count = len(space.mesh.faces)
     own, known, warmer = np.ones(count), np.zeros(count), np.zeros(count)
     for number, one in enumerate(run.air):
-        inside = _faces_in(one.box(), space, f"runs.{run.name}.air[{number}].box")
+        inside = _faces_in(one.box, space, f"runs.{run.name}.air[{number}].box")
         own[inside], known[inside] = 0.0, one.convection
         warmer[inside] = one.temperature - run.ambient_temperature
     return own, known, warmer

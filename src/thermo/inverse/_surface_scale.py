@@ -67,12 +67,13 @@ def _scaled_run(run: Run, factor: float) -> Run:
             replace(one, box_min=factor * one.box_min, box_max=factor * one.box_max)
             for one in run.prescribed
         ),
-        air=tuple(
-            replace(one, box_min=factor * one.box_min, box_max=factor * one.box_max)
-            for one in run.air
-        ),
-        insulated=tuple(Box(factor * box.low, factor * box.high) for box in run.insulated),
+        air=tuple(replace(one, box=_scaled_box(one.box, factor)) for one in run.air),
+        insulated=tuple(_scaled_box(box, factor) for box in run.insulated),
     )
+
+
+def _scaled_box(box: Box, factor: float) -> Box:
+    return Box(factor * box.low, factor * box.high)
 
 
 def scale_effect(task: Task, ready: Ready, fit: Fit) -> ScaleEffect | None:

@@ -5,9 +5,6 @@ from __future__ import annotations
 from typing import final
 
 import equinox as eqx
-import numpy as np
-from jaxtyping import Float
-from numpy.typing import ArrayLike
 
 from ._box import Box
 from ._kelvin import check_kelvin_number
@@ -23,31 +20,24 @@ class Air(eqx.Module):
 
     Arguments:
 
-    - `box_min`, `box_max`: opposite corners of the box, (3,) [m]; its sides count as inside.
+    - `box`: where it is [m].
     - `convection`: h [W/m2/K]; 0 where no air reaches.
     - `temperature`: T_air [K].
     - `where`: what messages call this air.
 
-    Raises `InputError` for a box that is inside out, a negative coefficient, and a temperature that
-    cannot be kelvin.
+    Raises `InputError` for a negative coefficient, and a temperature that cannot be kelvin.
+
+    Source: paper, boundary condition (checklist B2), by parts of the surface.
     """
 
-    box_min: Float[np.ndarray, "3"]
-    box_max: Float[np.ndarray, "3"]
+    box: Box
     convection: float
     temperature: float
 
     def __init__(
-        self,
-        box_min: ArrayLike,
-        box_max: ArrayLike,
-        convection: float,
-        temperature: float,
-        *,
-        where: str = "air",
+        self, box: Box, convection: float, temperature: float, *, where: str = "air"
     ) -> None:
-        box = Box(box_min, box_max, where=f"{where}.box")
-        self.box_min, self.box_max = box.low, box.high
+        self.box = box
         self.convection = check_number(
             convection, where=f"{where}.convection", quantity="convection coefficient [W/m2/K]",
             least=0.0, remedy="give W/m2/K (still air: 2 to 10)",
@@ -55,7 +45,3 @@ class Air(eqx.Module):
         self.temperature = check_kelvin_number(
             temperature, where=f"{where}.temperature", quantity="temperature of the air"
         )
-
-    def box(self) -> Box:
-        """Where it is [m]."""
-        return Box(self.box_min, self.box_max)

@@ -206,9 +206,10 @@ def _air(run: Section, number: int) -> Air:
     key = f"air[{number}]"
     section = Section(run.file, run.path, {key: run.table["air"][number]}).section(key)
     section.check_keys(("box", "convection", "temperature"))
-    box = _box(section, "box")
-    numbers = section.number("convection"), section.number("temperature")
-    return Air(box.low, box.high, *numbers, where=section.where())
+    return Air(
+        _box(section, "box"), section.number("convection"), section.number("temperature"),
+        where=section.where(),
+    )  # fmt: skip
 
 
 def _box(section: Section, key: str) -> Box:

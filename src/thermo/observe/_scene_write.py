@@ -117,7 +117,7 @@ def _write_run(stage: Path, name: str, run: Run) -> dict[str, Any]:
     if run.air:
         table["air"] = [
             {
-                "box": _corners(one.box()),
+                "box": _corners(one.box),
                 "convection": one.convection,
                 "temperature": one.temperature,
             }
