@@ -47,11 +47,12 @@ def main() -> None:
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--others", action="store_true")
     asked = parser.parse_args()
+    bodies = OTHERS if asked.others else SHAPES
     if asked.check:
-        for what, apart in exactness():
+        for what, apart in exactness(bodies):
             print(f"{what}: {1e3 * apart:.2g} mK", flush=True)
         return
-    suite = cases(asked.clean, asked.draws, OTHERS if asked.others else SHAPES)
+    suite = cases(asked.clean, asked.draws, bodies)
     if asked.table:
         rows = [one for case in suite if (one := result(asked.out, case))]
         write_tables(rows, "hidden_effects_others" if asked.others else "hidden_effects")

@@ -103,13 +103,22 @@ def cases(
     return sorted(found, key=lambda one: (one.shape, one.material))
 
 
-def exactness() -> Iterator[tuple[str, float]]:
-    """What the last cut of cells and steps changes in the best recordings under the lamp [K]."""
-    for shape, material in ((one, each) for one, both in SHAPES.items() for each in both):
+def exactness(bodies: Mapping[str, tuple[str, str]]) -> Iterator[tuple[str, float]]:
+    """What the best recordings under the lamp differ by from the next best [K].
+
+    Those have one cut less and longer steps; of `OTHERS` cuts in place of layers, and the same
+    steps.
+    """
+    for shape, material in ((one, each) for one, both in bodies.items() for each in both):
+        ways = ((CUTS, 1, SHORTER), (CUTS - 1, 1, SHORTER / 2))
+        if shape in OTHERS:
+            ways = ((*LAYERED, SHORTER), (CUTS, 1, SHORTER))
         best, less = (
-            readings(body(shape, SAMPLES, seed=1, finer=cuts), stated(material), runs=("lamp",),
-                     finer=steps)["lamp"]
-            for cuts, steps in ((CUTS, SHORTER), (CUTS - 1, SHORTER / 2))
+            readings(
+                body(shape, SAMPLES, seed=1, finer=cuts, layers=layers), stated(material),
+                runs=("lamp",), finer=steps,
+            )["lamp"]
+            for cuts, layers, steps in ways
         )  # fmt: skip
         yield f"{shape} of {material}", float(np.sqrt(np.mean((best - less) ** 2)))
 

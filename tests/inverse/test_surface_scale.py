@@ -23,7 +23,8 @@ from thermo.inverse import (
     posterior,
     sensitivity,
 )
-from thermo.observe import Scene
+from thermo.inverse._surface_scale import _scaled_run
+from thermo.observe import Air, Box, Scene
 from thermo.physics.integrators import BackwardEuler
 
 ROUGH = 0.02
@@ -126,3 +127,12 @@ def test_bands_of_fields_take_the_scale_in(rough: Scene, told: Estimate) -> None
     for name, power in POWERS.items():
         with_scale, without = (one.mean(name)[1] for one in (left, exact))
         assert np.sqrt(with_scale**2 - without**2) == pytest.approx(power * ROUGH, rel=0.02)
+
+
+def test_the_boxes_of_a_run_are_scaled_with_its_surface(scene: Scene) -> None:
+    box = Box([0.0, 0.1, 0.2], [0.3, 0.4, 0.5])
+    run = replace(scene.runs["cooling"], insulated=(box,), air=(Air(box, 4.0, 300.0),))
+    scaled = _scaled_run(run, 2.0)
+    for one in (scaled.insulated[0], scaled.air[0].box):
+        np.testing.assert_allclose([one.low, one.high], [[0.0, 0.2, 0.4], [0.6, 0.8, 1.0]])
+    assert (scaled.air[0].convection, scaled.air[0].temperature) == (4.0, 300.0)
