@@ -51,7 +51,7 @@ CUTS, SHORTER = 3, 2.0
 
 LAYERED = (1, 2)
 """Cuts and layers of the best recordings of `OTHERS` [1]: cuts across the longest edges leave cells
-nearly as thick as they were, and below glass that has just been lit that shows by 5 mK."""
+nearly as thick as they were, and below glass that has just been lit that shows by 4 mK."""
 
 VISIBLE = 8.0
 """Effects are drawn until they are visible at this many deviations of the noise [1]."""
