@@ -13,6 +13,7 @@ from thermo.fields import QUANTITIES
 from thermo.inverse._conditions import conditions, make_model
 from thermo.inverse._properties import Stated, law_of, properties
 from thermo.inverse._side_by_side import solve_each
+from thermo.inverse._stated_places import check_places
 from thermo.mesh import (
     Fine,
     Mesh,
@@ -94,8 +95,13 @@ def of_order(mesh: Mesh, order: int) -> Mesh:
 
 
 def surface_of(scene: Scene) -> Surface:
-    """The scene's checked surface [m]. Raises `InputError` as `read_surface` does."""
-    return read_surface(scene.surface_path, unit=scene.unit)  # type: ignore[arg-type]
+    """The scene's checked surface [m].
+
+    Raises `InputError` as `read_surface` does, and where a box or a lamp of the scene misses it.
+    """
+    surface = read_surface(scene.surface_path, unit=scene.unit)  # type: ignore[arg-type]
+    check_places(scene, surface)
+    return surface
 
 
 def state(scene: Scene, initial: dict[str, float], conductivity: float) -> Stated:

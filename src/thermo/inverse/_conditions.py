@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final, final
+from typing import final
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -12,6 +12,7 @@ from scipy.spatial import KDTree
 
 from thermo.errors import InputError
 from thermo.inverse._properties import Properties
+from thermo.inverse._stated_places import SLACK, misses
 from thermo.observe import Box, Heater, Run
 from thermo.physics import Discretisation, Model
 from thermo.physics.effects import (
@@ -24,9 +25,6 @@ from thermo.physics.effects import (
     Schedule,
     spot_profile,
 )
-
-# An axis that passes farther away, in diagonals of the object [1], was not meant.
-_PASSES: Final = 10.0
 
 
 @final
@@ -72,7 +70,9 @@ def _prescribe(run: Run, space: Discretisation) -> PrescribedTemperature | None:
         inside = item.box().holds(place, slack)
         if not inside.any():
             what = "no surface node lies in the box of a prescribed temperature"
-            raise _misses(what, f"runs.{run.name}.prescribed[{number}].box", item.box(), space)
+            raise misses(
+                what, f"runs.{run.name}.prescribed[{number}].box", item.box(), space.mesh.nodes
+            )
         patch[surface[inside]] = number
     histories = tuple(
         History(jnp.asarray(item.time), jnp.asarray(item.temperature)) for item in run.prescribed
@@ -81,23 +81,7 @@ def _prescribe(run: Run, space: Discretisation) -> PrescribedTemperature | None:
 
 
 def _slack(space: Discretisation) -> float:
-    # What lies on a box's sides counts as inside despite rounding.
-    return 1e-6 * _diagonal(space)
-
-
-def _diagonal(space: Discretisation) -> float:
-    return float(np.linalg.norm(np.ptp(space.mesh.nodes, axis=0)))
-
-
-def _misses(what: str, where: str, box: Box, space: Discretisation) -> InputError:
-    low, high = space.mesh.nodes.min(0), space.mesh.nodes.max(0)
-    return InputError(
-        what,
-        where=where,
-        value=f"{box.low.tolist()} to {box.high.tolist()} m",
-        limit=f"a box that holds a part of the surface, {low.tolist()} to {high.tolist()} m",
-        remedy="check the box's corners, in metres, against the surface",
-    )
+    return SLACK * float(np.linalg.norm(np.ptp(space.mesh.nodes, axis=0)))
 
 
 def _expose(run: Run, space: Discretisation) -> Float[np.ndarray, " faces"]:
@@ -122,24 +106,8 @@ def _faces_in(box: Box, space: Discretisation, where: str) -> Bool[np.ndarray, "
     centres = space.mesh.nodes[space.mesh.faces[:, :3]].mean(1)
     inside = box.holds(centres, _slack(space))
     if not inside.any():
-        raise _misses("no face has its centre in this box", where, box, space)
+        raise misses("no face has its centre in this box", where, box, space.mesh.nodes)
     return inside
-
-
-def _check_lamp(heater: Heater, space: Discretisation, where: str) -> None:
-    """Refuse a lamp whose axis passes far away: wide enough, it would light a body all the same."""
-    middle = (space.mesh.nodes.min(0) + space.mesh.nodes.max(0)) / 2
-    away = float(np.linalg.norm(np.cross(middle - heater.centre, heater.direction)))
-    size = _diagonal(space)
-    if away > _PASSES * size:
-        raise InputError(
-            "the lamp's axis passes far from the object",
-            where=f"{where}.centre",
-            value=f"{away:.3g} m from the middle of an object of {size:.3g} m",
-            limit=f"{_PASSES:g} times the object's diagonal, {_PASSES * size:.3g} m",
-            remedy="give centre and radius in metres; for even light, let a wide spot's axis pass "
-            "through the object",
-        )
 
 
 def _nearest_lit(heater: Heater, space: Discretisation) -> Int[np.ndarray, " cells"]:
@@ -170,7 +138,7 @@ def conditions(run: Run, space: Discretisation) -> Conditions:
     - `space`: the discretised body.
 
     Raises `InputError` where the lamp, the box of a prescribed temperature, of insulation or of
-    air misses the surface, or a lamp's axis passes far from it.
+    air misses the surface.
     """
     heater = run.heater
     profile, lit = np.zeros(np.shape(space.face_weight)), np.zeros(len(space.mesh.cells), np.int32)
@@ -188,7 +156,6 @@ def conditions(run: Run, space: Discretisation) -> Conditions:
                 limit="an axis whose light meets the surface",
                 remedy="check centre and direction, in metres and in the surface's axes",
             ) from miss
-        _check_lamp(heater, space, f"runs.{run.name}.heater")
         power = heater.power
         schedule, lit = _schedule(heater), _nearest_lit(heater, space)
     own, known, warmer = _air(run, space)

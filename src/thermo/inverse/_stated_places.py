@@ -1,0 +1,93 @@
+"""Whether the boxes and lamps that a scene states have to do with its surface at all."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from jaxtyping import Float
+from trimesh.intersections import slice_faces_plane
+
+from thermo.errors import InputError
+from thermo.mesh import Surface
+from thermo.observe import Box, Heater, Run, Scene
+
+# An axis that passes farther away, in diagonals of the object [1], was not meant.
+_PASSES: Final = 10.0
+
+# What lies on a box's sides counts as inside despite rounding, in diagonals of the object [1].
+SLACK: Final = 1e-6
+
+
+def check_places(scene: Scene, surface: Surface) -> None:
+    """Refuse boxes that hold no part of the surface and lamps that pass far from it.
+
+    All runs are looked at, whichever are asked for, and before anything is meshed.
+
+    Arguments:
+
+    - `scene`: with the boxes of what is prescribed, insulated or under other air, and the lamps.
+    - `surface`: the object's, in the axes of these [m].
+
+    Raises `InputError`, which names the file, the run and the key.
+    """
+    file = scene.folder / "scene.json"
+    for run in scene.runs.values():
+        where = f"{file}: runs.{run.name}" if file.exists() else f"runs.{run.name}"
+        for key, box in _boxes(run):
+            if not _meets(box, surface):
+                what = "no part of the surface lies in this box"
+                raise misses(what, f"{where}.{key}", box, surface.vertices)
+        if run.heater is not None:
+            _check_lamp(run.heater, surface, f"{where}.heater")
+
+
+def _boxes(run: Run) -> list[tuple[str, Box]]:
+    """The boxes of a run, each with its key in the scene's file."""
+    return [
+        *((f"prescribed[{n}].box", one.box()) for n, one in enumerate(run.prescribed)),
+        *((f"insulated[{n}]", one) for n, one in enumerate(run.insulated)),
+        *((f"air[{n}].box", one.box) for n, one in enumerate(run.air)),
+    ]
+
+
+def _meets(box: Box, surface: Surface) -> bool:
+    slack = SLACK * surface.diagonal()
+    corners = surface.vertices[surface.triangles]
+    near = (corners.max(1) >= box.low - slack) & (corners.min(1) <= box.high + slack)
+    vertices, triangles = surface.vertices, surface.triangles[near.all(1)]
+    for axis in range(3):
+        for sign, side in ((1.0, box.low[axis] - slack), (-1.0, box.high[axis] + slack)):
+            if not len(triangles):
+                return False
+            normal, origin = sign * np.eye(3)[axis], side * np.eye(3)[axis]
+            vertices, triangles, _ = slice_faces_plane(vertices, triangles, normal, origin)
+    return len(triangles) > 0
+
+
+def misses(what: str, where: str, box: Box, points: Float[np.ndarray, "points 3"]) -> InputError:
+    """The error of a box that does not hold what it should of a surface with these points [m]."""
+    low, high = points.min(0), points.max(0)
+    return InputError(
+        what,
+        where=where,
+        value=f"{box.low.tolist()} to {box.high.tolist()} m",
+        limit=f"a box that holds a part of the surface, {low.tolist()} to {high.tolist()} m",
+        remedy="check the box's corners, in metres, against the surface",
+    )
+
+
+def _check_lamp(heater: Heater, surface: Surface, where: str) -> None:
+    """Refuse a lamp whose axis passes far away: wide enough, it would light a body all the same."""
+    middle = (surface.vertices.min(0) + surface.vertices.max(0)) / 2
+    away = float(np.linalg.norm(np.cross(middle - heater.centre, heater.direction)))
+    size = surface.diagonal()
+    if away > _PASSES * size:
+        raise InputError(
+            "the lamp's axis passes far from the object",
+            where=f"{where}.centre",
+            value=f"{away:.3g} m from the middle of an object of {size:.3g} m",
+            limit=f"{_PASSES:g} times the object's diagonal, {_PASSES * size:.3g} m",
+            remedy="give centre and radius in metres; for even light, let a wide spot's axis pass "
+            "through the object",
+        )
