@@ -6,6 +6,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from matplotlib import image
 from scripts import load_example
 from verdicts import verdict
 
@@ -31,9 +32,25 @@ def test_it_tells_each_round_and_leaves_the_page(
         "  cooling: rms 0.200 to 0.060 K",
         "conductivity: 2.2 before, 2 after",
     ]
-    assert lines[4:-1] == discovery_record(found)["sentences"] and len(lines) > 5
-    assert lines[-1] == f"page: {tmp_path / 'verdict.html'}"
+    assert lines[4:-2] == discovery_record(found)["sentences"] and len(lines) > 6
+    assert lines[-2:] == [
+        f"page: {tmp_path / 'verdict.html'}", f"picture: {tmp_path / 'curves.png'}",
+    ]  # fmt: skip
     assert "a plate &amp; its lamp" in (tmp_path / "verdict.html").read_text("utf-8")
+
+
+@pytest.mark.parametrize("kind", ["named", "no_gap"])
+def test_the_picture_sets_the_model_with_what_was_found_beside_that_without(
+    kind: str, example: ModuleType, tmp_path: Path
+) -> None:
+    found = verdict(kind)
+    example.draw(found, "a plate", tmp_path / "curves.png")
+    height, width = image.imread(tmp_path / "curves.png").shape[:2]
+    columns = 2 if found.additions else 1
+    assert (columns == 2) == (kind == "named")
+    rows = len(found.stated.runs)
+    assert width == pytest.approx(572 * columns, abs=1)
+    assert height == pytest.approx(396 * rows, abs=1)
 
 
 def test_couples_are_no_camera(example: ModuleType) -> None:

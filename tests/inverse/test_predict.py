@@ -37,6 +37,11 @@ def rough(fitted: Estimate) -> Estimate:
 
 
 @pytest.fixture(scope="module")
+def quadratic(meshing: Meshing) -> Meshing:
+    return Meshing(order=2, max_nodes=meshing.max_nodes, cache=meshing.cache)
+
+
+@pytest.fixture(scope="module")
 def predicted(scene: Scene, fitted: Estimate) -> dict[str, Prediction]:
     return predict(scene, fitted)
 
@@ -81,11 +86,28 @@ def test_scores_are_those_of_the_temperatures(predicted: dict[str, Prediction]) 
     assert found.scores["median"] == found.scores["spatial"]
 
 
-def test_the_median_is_that_of_the_field_over_the_surface(scene: Scene, rough: Estimate) -> None:
+def test_it_says_about_how_much_its_cells_make_wrong(
+    predicted: dict[str, Prediction], scene: Scene, fitted: Estimate, quadratic: Meshing
+) -> None:
+    few = predict(scene, fitted, meshing=quadratic)["test_lamp"]
+    found = predicted["test_lamp"]
+    assert len(found.mesh.nodes) > 2 * len(few.mesh.nodes), "as fine as its nodes allow"
+    assert found.cells is not None and few.cells is not None
+    assert found.cells.shape == FRAMES.shape and (found.cells >= 0).all()
+    # Beside what the fit itself is off by, both are as wrong as they are apart and say.
+    apart = np.sqrt(((few.temperature - found.temperature) ** 2).mean())
+    told = np.sqrt((few.cells**2).mean())
+    assert apart / 4 < told < 4 * apart
+    assert np.sqrt((found.cells**2).mean()) < told
+
+
+def test_the_median_is_that_of_the_field_over_the_surface(
+    scene: Scene, rough: Estimate, quadratic: Meshing
+) -> None:
     field = rough.fields["conductivity"]
     middle = weighted_quantile(field.faces, face_areas(rough.mesh), 0.5)
-    varied = predict(scene, rough)["test_lamp"].scores
-    flat = predict(scene, uniform(rough, middle))["test_lamp"].scores
+    varied = predict(scene, rough, meshing=quadratic)["test_lamp"].scores
+    flat = predict(scene, uniform(rough, middle), meshing=quadratic)["test_lamp"].scores
     # The two meshes differ a little: a mesh follows the least diffusivity of its body.
     assert varied["median"].rmse == pytest.approx(flat["spatial"].rmse, rel=1e-2)
     assert varied["spatial"].rmse != pytest.approx(varied["median"].rmse, rel=0.05)
@@ -123,11 +145,6 @@ def test_unknown_runs_and_missing_estimates_are_refused(
         predict(scene, tmp_path)
 
 
-@pytest.fixture(scope="module")
-def quadratic(meshing: Meshing) -> Meshing:
-    return Meshing(order=2, max_nodes=meshing.max_nodes, cache=meshing.cache)
-
-
 def uniform(estimate: Estimate, value: float) -> Estimate:
     field = estimate.fields["conductivity"]
     cells, faces = np.full_like(field.cells, value), np.full_like(field.faces, value)
@@ -144,6 +161,7 @@ def test_a_simulation_is_a_prediction_with_uniform_values(
     assert np.allclose(found.temperature, wanted.temperature, rtol=0, atol=1e-6)
     assert list(found.scores) == ["stated"]
     assert found.scores["stated"] == score(found.temperature, found.measured)
+    assert found.cells is None, "a prediction alone measures that"
     assert found.scores["stated"].rmse > 0.5, "three times the true conductivity"
 
 

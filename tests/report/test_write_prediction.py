@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -72,9 +73,20 @@ def test_each_run_leaves_its_files_and_its_page(tmp_path: Path) -> None:
     assert (record["verb"], record["seconds"], record["effects"]) == ("predict", 2.5, ["tilt"])
     assert record["remarks"] == ["Mind this."] and record["noise"] == {"lamp": 0.05}
     told = prediction_table(record).splitlines()
-    assert told[0].endswith("noise [K]")
+    assert told[0].endswith("noise [K]  cells [K]")
     # Of the run whose noise is known it stands beside its scores.
     assert [line.split()[-1] for line in told if "median" in line] == ["0.05", "3"]
+    assert record["cells"] == {}
+
+
+def test_what_cells_make_wrong_stands_beside_the_noise(tmp_path: Path) -> None:
+    cells = np.array([0.0, 0.0, 0.04, 0.03, 0.0])
+    runs = {"lamp": replace(predicted(0.5), cells=cells)}
+    record = write_predictions(tmp_path, "predict", runs, {}, 1.0, noise={"lamp": 0.05})
+    assert record["cells"]["lamp"] == pytest.approx(
+        {"rms": 0.05 / 5**0.5, "largest": 0.04, "time": 2.0}
+    )
+    assert "0.02236" in prediction_table(record)
 
 
 def test_a_simulation_has_no_fields(tmp_path: Path) -> None:

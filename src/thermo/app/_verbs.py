@@ -8,6 +8,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from thermo import inverse
 from thermo.app._configuration import (
     build_field,
@@ -113,10 +115,12 @@ def predict(settings: Configuration) -> None:
     seconds = time.monotonic() - begun
     taken = [one.card.name for one in effects or ()]
     mesh, _, _, fields = inverse.load_estimate(estimate / "estimate.npz")
-    remarks = [*stated_otherwise(estimate, scene), *_of_the_fit(estimate)]
+    noise = _noise(scene, predictions)
+    coarse = [_of_cells(name, one, noise[name]) for name, one in predictions.items()]
+    remarks = [*stated_otherwise(estimate, scene), *_of_the_fit(estimate), *filter(None, coarse)]
     record = write_predictions(
         out, "predict", predictions, settings, seconds, taken, remarks,
-        noise=_noise(scene, predictions), mesh=mesh, fields=fields,
+        noise=noise, mesh=mesh, fields=fields,
     )  # fmt: skip
     beside = f"\nEffects beside the stated ones: {', '.join(taken)}." if taken else ""
     told = beside + "".join(f"\n{remark}" for remark in remarks)
@@ -126,6 +130,20 @@ def predict(settings: Configuration) -> None:
 def _noise(scene: Scene, runs: Iterable[str]) -> dict[str, float]:
     """Of a reading, by run, as its recording tells it [K]."""
     return {name: estimate_noise(scene.runs[name].recording).total() for name in runs}
+
+
+def _of_cells(run: str, prediction: inverse.Prediction, noise: float) -> str:
+    """A sentence where cells make more wrong in some frame than noise does [K], or nothing."""
+    cells = prediction.cells
+    if cells is None or cells.max() <= noise:
+        return ""
+    worst = float(prediction.time[cells.argmax()])
+    whole = float(np.sqrt((cells**2).mean()))
+    return (
+        f"Cells make some {cells.max():.2g} K wrong in {run} at {worst:.3g} s, {whole:.2g} K over "
+        f"all frames (RMS), where noise is {noise:.2g} K: a larger mesh.cells_per_depth or "
+        f"mesh.max_nodes makes that less."
+    )
 
 
 def _of_the_fit(folder: Path) -> list[str]:

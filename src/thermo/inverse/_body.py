@@ -63,6 +63,17 @@ def duration(scene: Scene) -> float:
     return max(float(run.recording.time[-1]) for run in scene.runs.values())
 
 
+def sizing_of(scene: Scene, surface: Surface, diffusivity: float, meshing: Meshing) -> Sizing:
+    """Edges [m] that suit a diffusivity [m2/s] and the scene's longest run."""
+    return sizing_from_physics(
+        surface,
+        diffusivity=diffusivity,
+        duration=duration(scene),
+        cells_per_depth=meshing.cells_per_depth,
+        max_nodes=meshing.max_nodes,
+    )
+
+
 def make_mesh(
     scene: Scene,
     surface: Surface,
@@ -76,13 +87,7 @@ def make_mesh(
 
     `fine`: where they are shorter still.
     """
-    sizing = sizing_from_physics(
-        surface,
-        diffusivity=diffusivity,
-        duration=duration(scene),
-        cells_per_depth=meshing.cells_per_depth,
-        max_nodes=meshing.max_nodes,
-    )
+    sizing = sizing_of(scene, surface, diffusivity, meshing)
     if finer != 1.0:
         sizing = sizing.divided(finer)
     sizing = replace(sizing, fine=fine)

@@ -45,6 +45,8 @@ class Prediction:
     - `scores`: of the spatial field, and of its median over the surface; [K].
     - `mesh`: linear mesh [m]; `nodal_time` (moments,) [s]; `nodal` (moments, nodes) [K]: the whole
       body at some of the frames.
+    - `cells`: about what cells make wrong, root mean square over samples, (frames,) [K]; None where
+      that was not measured.
     """
 
     points: Float[np.ndarray, "samples 3"]
@@ -55,6 +57,7 @@ class Prediction:
     mesh: Mesh
     nodal_time: Float[np.ndarray, " moments"]
     nodal: Float[np.ndarray, "moments nodes"]
+    cells: Float[np.ndarray, " frames"] | None = None
 
 
 def score(

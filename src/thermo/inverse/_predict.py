@@ -2,16 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Final, final
+
+import numpy as np
 
 from thermo._compiled import make_room
 from thermo.errors import InputError
 from thermo.inverse._addition import Addition
-from thermo.inverse._body import Meshing, check_values, make_mesh, state, surface_of
+from thermo.inverse._body import (
+    Meshing,
+    check_values,
+    make_mesh,
+    sizing_of,
+    state,
+    surface_of,
+)
 from thermo.inverse._estimate import Estimate, RecoveredField, load_estimate, saved_effects
 from thermo.inverse._forward import Prediction, forward
 from thermo.inverse._properties import (
     Stated,
+    Values,
     check_unknowns,
     diffusivity_quantile,
     properties,
@@ -19,11 +32,17 @@ from thermo.inverse._properties import (
 from thermo.inverse._selection import select_runs
 from thermo.inverse._stepping import free_grid
 from thermo.inverse._transfer import carry_over, check_same_object, medians
-from thermo.mesh import Mesh
-from thermo.observe import Scene, read_scene
+from thermo.mesh import Mesh, Surface, expected_nodes
+from thermo.observe import Run, Scene, read_scene
 
 PREDICTION_NODES = 40000
 """About the most nodes [1] of a mesh that predicts: it is used once, a fit's some hundred times."""
+
+FINEST: Final = 2.0
+"""By what edges are divided, where nodes allow, beside those that physics asks for [1]."""
+
+COARSER: Final = 2.0
+"""How much longer edges are on the mesh that tells what cells make wrong [1]."""
 
 
 def _load(folder: Path) -> tuple[Mesh, Stated, dict[str, RecoveredField]]:
@@ -77,14 +96,16 @@ def predict(
     - `data`: a scene, or the folder of one.
     - `estimate`: the result of `invert`, or the folder that `thermo invert` left.
     - `runs`: names; all that are held out by default.
-    - `meshing`: of the body, by default finer than a fit's: cells and faces take the values of the
-      nearest ones of the fit, and two materials are laid out anew. `tolerance`: error of a time
-      step [K].
+    - `meshing`: of the body; edges are up to half as long as it asks for, as far as its nodes
+      allow, by default more than a fit's. Cells and faces take the values of the nearest ones of
+      the fit, and two materials are laid out anew. `tolerance`: error of a time step [K].
     - `additions`: effects beside the stated ones, as `thermo.discover.load_effects` reads them.
 
     Returns a prediction for each run, with scores of the spatial field and of its median over the
-    surface [K]. Raises `InputError` for unknown runs, for an estimate that cannot be read, for one
-    of another object, and for one to which effects were added where no `additions` are given.
+    surface [K], and what its cells make wrong: a third of how far readings are from those on edges
+    twice as long, as for errors of second order. Raises `InputError` for unknown runs, for an
+    estimate that cannot be read, for one of another object, and for one to which effects were added
+    where no `additions` are given.
 
     Source: paper, section 5 (checklist G10 to G17).
     """
@@ -98,25 +119,50 @@ def predict(
     # Heat goes the least deep where the diffusivity is least; the mesh must show that.
     found = {name: (item.cells, item.faces) for name, item in fields.items()}
     least = diffusivity_quantile(stated, found, len(old.cells), 0.05)
-    mesh = make_mesh(scene, surface, least, meshing)
-    sizes = (len(mesh.cells), len(mesh.faces))
-    bodies = {
-        "spatial": properties(stated, carry_over(fields, old, mesh), *sizes),
-        "median": properties(stated, medians(fields, old, mesh), *sizes),
-    }
-    order = meshing.order
-    return {
-        run.name: forward(
-            mesh,
-            order,
-            run,
-            bodies,
-            free_grid(mesh, bodies["spatial"], run, tolerance=tolerance),
-            f"{scene.folder}: runs.{run.name}.recording",
-            additions or (),
-        )  # fmt: skip
-        for run in picked
-    }
+    finer = _affordable(scene, surface, least, meshing)
+    mesh, coarse = (
+        make_mesh(scene, surface, least, meshing, finer=by) for by in (finer, finer / COARSER)
+    )
+
+    asked = _Asked(scene.folder, stated, meshing.order, tolerance, additions or ())
+    both = {"spatial": carry_over(fields, old, mesh), "median": medians(fields, old, mesh)}
+    less = {"spatial": carry_over(fields, old, coarse)}
+    made = {}
+    for run in picked:
+        best, rough = asked.predicted(run, mesh, both), asked.predicted(run, coarse, less)
+        apart = (best.temperature - rough.temperature) / (COARSER**2 - 1.0)
+        made[run.name] = replace(best, cells=np.sqrt((apart**2).mean(axis=1)))
+    return made
+
+
+@final
+@dataclass(frozen=True)
+class _Asked:
+    """What a prediction of a run takes beside its mesh and fields."""
+
+    folder: Path
+    stated: Stated
+    order: int
+    tolerance: float
+    additions: tuple[Addition, ...]
+
+    def predicted(
+        self, run: Run, mesh: Mesh, carried: Mapping[str, Mapping[str, Values]]
+    ) -> Prediction:
+        sizes = (len(mesh.cells), len(mesh.faces))
+        bodies = {name: properties(self.stated, held, *sizes) for name, held in carried.items()}
+        steps = free_grid(mesh, bodies["spatial"], run, tolerance=self.tolerance)
+        where = f"{self.folder}: runs.{run.name}.recording"
+        return forward(mesh, self.order, run, bodies, steps, where, self.additions)
+
+
+def _affordable(scene: Scene, surface: Surface, diffusivity: float, meshing: Meshing) -> float:
+    """By what all edges of the mesh can be divided within its nodes [1], from 1 to `FINEST`."""
+    sizing = sizing_of(scene, surface, diffusivity, meshing)
+    by = FINEST
+    while by > 1.0 and expected_nodes(surface, sizing.divided(by)) > meshing.max_nodes:
+        by = max(by / 1.25, 1.0)
+    return by
 
 
 def simulate(

@@ -7,6 +7,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from thermo.inverse import Prediction, RecoveredField
 from thermo.mesh import Mesh
 
@@ -97,6 +99,11 @@ def write_predictions(
         },
         "scores_unit": "K",
         "noise": dict(noise or {}),
+        "cells": {
+            name: _wrong(prediction.time, prediction.cells)
+            for name, prediction in predictions.items()
+            if prediction.cells is not None
+        },
         "effects": list(effects),
         "remarks": list(remarks),
         "seconds": seconds,
@@ -108,15 +115,24 @@ def write_predictions(
     return record
 
 
-def prediction_table(record: Mapping[str, Any]) -> str:
-    """A short table of the scores beside the recording's noise, for a terminal."""
+def _wrong(time: np.ndarray, cells: np.ndarray) -> dict[str, float]:
+    """What cells make wrong [K] over all frames, and in the frame [s] where it is most."""
+    worst = int(cells.argmax())
+    whole = float(np.sqrt((cells**2).mean()))
+    return {"rms": whole, "largest": float(cells[worst]), "time": float(time[worst])}
 
-    def known(run: str) -> str:
-        return f"{record['noise'][run]:.4g}" if run in record["noise"] else ""
+
+def prediction_table(record: Mapping[str, Any]) -> str:
+    """A short table of the scores beside noise and what cells make wrong, for a terminal."""
+
+    def known(run: str) -> list[str]:
+        cells = {name: wrong["rms"] for name, wrong in record["cells"].items()}
+        told = (which.get(run) for which in (record["noise"], cells))
+        return ["" if value is None else f"{value:.4g}" for value in told]
 
     rows = [
-        [run, kind, *(f"{value[key]:.4g}" for key in ("mae", "rmse", "max")), known(run)]
+        [run, kind, *(f"{value[key]:.4g}" for key in ("mae", "rmse", "max")), *known(run)]
         for run, kinds in record["scores"].items()
         for kind, value in kinds.items()
     ]
-    return table(rows, ["run", "field", "mae [K]", "rmse [K]", "max [K]", "noise [K]"])
+    return table(rows, ["run", "field", "mae [K]", "rmse [K]", "max [K]", "noise [K]", "cells [K]"])
