@@ -167,10 +167,22 @@ def right(row: dict[str, Any]) -> str:
     return "partly" if any(found) else "set of wrong ones"
 
 
+def places_off(row: dict[str, Any]) -> list[float]:
+    """How far the places that were found are from the hidden ones, over the object's size."""
+    found = []
+    for kind, where in zip(row["hidden"], row["where"], strict=True):
+        centres = [
+            centre for one, centre in zip(row["sets"], row["centre"], strict=False) if kind in one
+        ]
+        if where and centres and centres[0]:
+            found.append(float(np.linalg.norm(np.subtract(centres[0], where))) / row["extent"])
+    return found
+
+
 HEADER = [
     "case", "material", "visible", "true strength", "verdict", "sets", "strength", "low",
     "high", "answer", "by correlation", "by BIC", "held out before", "held out after", "noise",
-    "seconds",
+    "seconds", "place off by",
 ]  # fmt: skip
 
 
@@ -195,7 +207,7 @@ def write_tables(rows: list[dict[str, Any]], name: str) -> None:
             " ".join(f"{one:.3g}" for one in row["true_strength"]), row["verdict"],
             "; ".join(" ".join(one) for one in row["sets"]), *short[:3], right(row),
             alone(row["by_correlation"], row), alone(row["by_bic"], row), *short[3:],
-            f"{row['seconds']:.0f}",
+            f"{row['seconds']:.0f}", " ".join(f"{off:.3f}" for off in places_off(row)),
         ]  # fmt: skip
     _write(path.name, [HEADER, *(lines[case] for case in sorted(lines))])
     strata: dict[tuple[str, str], list[list[Any]]] = {}
@@ -211,6 +223,29 @@ def write_tables(rows: list[dict[str, Any]], name: str) -> None:
         table.append([*key, len(found), *(ours.count(word) for word in words), *shares])
     header = [f"{rule}: {word}" for rule in RULES[1:] for word in PLAIN]
     _write(f"{name}_rates.csv", [["group", "stratum", "cases", *words, *header], *table])
+    print(in_words([dict(zip(HEADER, line, strict=True)) for line in lines.values()]))
+
+
+def in_words(lines: list[dict[str, str]]) -> str:
+    """How good strengths, places and held-out runs are where effects of the library were named."""
+    named = [one for one in lines if one["answer"] in ("right", "set") and one["sets"]]
+    single = [one for one in named if one["case"].startswith("within")]
+    strengths = [[float(one[key]) for key in ("true strength", "strength", "low", "high")]
+                 for one in single]  # fmt: skip
+    held = [low <= true <= high for true, _, low, high in strengths]
+    near = [abs(found - true) <= 0.15 * abs(true) for true, found, _, _ in strengths]
+    places = [float(off) for one in named for off in one["place off by"].split()]
+    left = [float(one["held out after"]) / float(one["noise"]) for one in named]
+    seconds = sum(float(one["seconds"]) for one in lines)
+    return (
+        f"one effect hidden, {len(single)} named alone or in a set: {sum(held)} strengths in their "
+        f"interval of 95 %, {sum(map(max, held, near))} there or within 15 %\n"
+        f"{len(places)} places known, {sum(off <= 0.1 for off in places)} within 10 % of the "
+        f"object's size, the farthest {max(places, default=0.0):.1%} off\n"
+        f"{len(left)} named, one effect or two: held-out runs met to 1.1 of their noise in "
+        f"{sum(one <= 1.1 for one in left)}, to {max(left, default=0.0):.2f} in all\n"
+        f"{seconds / 3600:.1f} hours of one core"
+    )
 
 
 def _write(name: str, rows: list[list[Any]]) -> None:
