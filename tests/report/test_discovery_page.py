@@ -28,6 +28,7 @@ MARKUP = "<b onclick='x()'>glow</b> & more"
 def candidate(name: str, score: float, left: float | None = None, unit: str = "1") -> dict:
     return {
         "name": name, "score": score, "strength": 0.123456, "sd": 0.0123, "unit": unit,
+        "least": None, "most": 0.05 if name == "void" else None,
         "visible": 0.4321, "left": left, "excited_by": "any run",
         "hides_behind": f"what is like {name}", "split_by": f"a run without {name}",
     }  # fmt: skip
@@ -188,7 +189,7 @@ def test_a_named_effect_is_told_with_its_strength_and_place() -> None:
         "a run without hidden_source",
     ]  # fmt: skip
     assert cells[begin + 8 : begin + 12] == ["-97", "0.123 ± 0.012 s", "43.2 %", "37.1 %"]
-    assert cells[begin + 18] == "not refitted" and cells[begin + 23] == "0.123 ± 0.012"
+    assert cells[begin + 18] == "not refitted" and cells[begin + 23] == "above 0.05"
     assert page.count('<tr class="named">') == 1 and page.count('<tr class="above">') == 1
     assert "the threshold, 4.21." in page
 

@@ -71,6 +71,12 @@ def test_the_contract_of_a_round() -> None:
     assert record["over_time"]["cooling"]["after"] == {"slow_p_value": 0.6, "follows": {}}
     assert record["held_out"]["other"]["gap_closed_interval95"] == [0.95, 0.98]
     assert "hidden_source" in discovery_table(record)
+    # A sensor does not read what is still to come.
+    for one in record["candidates"]:
+        assert (one["least"], one["most"]) == ((None, None) if one["unit"] == "W" else (0.0, 60.0))
+        one["strength"] = -one["strength"]
+    lines = discovery_table(record).splitlines()
+    assert "-1.3" in lines[2] and "below 0" in lines[3]
 
 
 def test_files_and_page_are_left(tmp_path: Path) -> None:

@@ -23,6 +23,7 @@ from ._discovery_plots import (
 )
 from ._html_page import html_page
 from ._identifiability_page import _STYLE, _plots, _section, _table
+from ._passed_limit import passed_limit
 
 _MORE = """
 .said { font-size: 1.15rem; line-height: 1.35; margin: 0.5rem 0; }
@@ -253,7 +254,8 @@ def _alias(record: Record) -> str:
 
 def _alone(one: Record) -> str:
     """Strength where nothing else is missing, in its unit."""
-    return _amount(f"{_number(one['strength'], '.3g')} ± {_number(one['sd'], '.2g')}", one["unit"])
+    known = f"{_number(one['strength'], '.3g')} ± {_number(one['sd'], '.2g')}"
+    return _amount(passed_limit(one) or known, one["unit"])
 
 
 def _kind(one: Record, record: Record, threshold: float) -> str:

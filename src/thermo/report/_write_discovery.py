@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
@@ -25,6 +26,7 @@ from thermo.inverse import RunFit, save_estimate
 
 from ._discovery_page import discovery_page
 from ._json import write_json
+from ._passed_limit import passed_limit
 from ._table import table
 from ._text import write_text
 from ._versions import versions
@@ -192,6 +194,8 @@ def _candidacy(one: Candidacy) -> dict[str, Any]:
         "strength": one.strength,
         "sd": one.sd,
         "unit": one.card.unit,
+        "least": one.card.low if math.isfinite(one.card.low) else None,
+        "most": one.card.high if math.isfinite(one.card.high) else None,
         "visible": one.visible,
         "left": one.left,
         "correlation": one.correlation,
@@ -288,10 +292,10 @@ def _spoken(name: str) -> str:
 
 def discovery_table(record: Mapping[str, Any]) -> str:
     """The scores of all kinds, for the terminal."""
-    rows = [
-        [one["name"], one["score"], one["strength"], one["unit"], one["visible"]]
-        for one in record["candidates"]
-    ]
+    rows = []
+    for one in record["candidates"]:
+        strength = passed_limit(one) or one["strength"]
+        rows.append([one["name"], one["score"], strength, one["unit"], one["visible"]])
     return table(rows, ["candidate", "score", "strength alone", "unit", "visible"])
 
 
