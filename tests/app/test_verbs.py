@@ -109,7 +109,10 @@ def test_predict_scores_the_held_out_run(
     fit: Path, command: Command, block: Path, tmp_path: Path
 ) -> None:
     out = tmp_path / "predicted"
-    outcome = command("predict", f"data={block}", f"estimate={fit}", f"out={out}", "tolerance=0.05")
+    outcome = command(
+        "predict", f"data={block}", f"estimate={fit}", f"out={out}", "tolerance=0.05",
+        "mesh.max_nodes=3000",
+    )  # fmt: skip
     assert outcome.code == 0, outcome.err
     temperature = check_recording(out, "test_lamp")
     check_series(out, "test_lamp")
