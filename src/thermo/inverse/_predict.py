@@ -38,8 +38,8 @@ from thermo.observe import Run, Scene, read_scene
 PREDICTION_NODES = 40000
 """About the most nodes [1] of a mesh that predicts: it is used once, a fit's some hundred times."""
 
-FINEST: Final = 2.0
-"""By what edges are divided, where nodes allow, beside those that physics asks for [1]."""
+FINER: Final = (2.0, 1.6, 1.25)
+"""By what edges are divided beside those that physics asks for, the first that nodes allow [1]."""
 
 COARSER: Final = 2.0
 """How much longer edges are on the mesh that tells what cells make wrong [1]."""
@@ -157,12 +157,10 @@ class _Asked:
 
 
 def _affordable(scene: Scene, surface: Surface, diffusivity: float, meshing: Meshing) -> float:
-    """By what all edges of the mesh can be divided within its nodes [1], from 1 to `FINEST`."""
+    """By what all edges of the mesh can be divided within its nodes [1]: one of `FINER`, or 1."""
     sizing = sizing_of(scene, surface, diffusivity, meshing)
-    by = FINEST
-    while by > 1.0 and expected_nodes(surface, sizing.divided(by)) > meshing.max_nodes:
-        by = max(by / 1.25, 1.0)
-    return by
+    fits = (by for by in FINER if expected_nodes(surface, sizing.divided(by)) <= meshing.max_nodes)
+    return next(fits, 1.0)
 
 
 def simulate(
