@@ -28,11 +28,14 @@ from thermo.discover import (
     _standing,
     discover,
     forget,
+    library,
     load_effects,
 )
+from thermo.discover._discover import left_out
 from thermo.discover.candidates import HeaterPower, HiddenSource
 from thermo.errors import InputError
 from thermo.inverse import Conditions, Meshing, Stepping, predict
+from thermo.mesh import box_mesh
 from thermo.observe import Run, Scene, read_scene
 from thermo.report import discovery_record, write_discovery
 
@@ -148,6 +151,8 @@ def test_a_lamp_of_another_power_is_named_by_how_much_it_is_off(
     low, high = one.effect.interval95
     assert low < 0.25 < high and one.effect.strength == pytest.approx(0.25, rel=0.05)
     assert one.effect.centre is None and one.rms_after["lamp"] < 0.5 * one.rms_before["lamp"]
+    (narrow,) = [told for told in found.remarks if told.startswith("Not looked for: ")]
+    assert "void" in narrow and "heater_power" not in narrow
     proof = found.held_out["test_lamp"]
     assert proof.gap_closed is not None and proof.gap_closed > 0.95
     assert proof.rms_after == pytest.approx(NOISE, rel=0.1)
@@ -222,6 +227,7 @@ def test_an_interrupted_search_goes_on_to_the_same_verdict(
     assert set(before) == set(whole) - {"calibration"} and after.count("calibration") == 1
     assert 0 < before.count("descend") < whole.count("descend")
     assert any("left in this round" in words for words in said)
+    assert any(words.startswith("put to work: heater_power; lamp ") for words in said)
 
     # One that is damaged is made anew, and no other.
     file = next(folder.glob("fit-*"))
@@ -258,6 +264,15 @@ def test_two_effects_are_both_named_and_their_strengths_are_those_of_one_fit(sce
     assert strengths["heater_power"].strength == pytest.approx(0.25, rel=0.06)
     assert strengths["warming_camera"].strength == pytest.approx(0.05, rel=0.06)
     assert found.held_out["test_lamp"].rms_after == pytest.approx(NOISE, rel=0.1)
+
+
+def test_kinds_of_the_library_that_are_left_out_are_told_of() -> None:
+    setting = Setting(box_mesh((0.02, 0.01, 0.01), (2, 1, 1)), 2700.0, 30.0, 290.0, 340.0)
+    every = library(setting)
+    assert left_out(every, setting) == []
+    assert left_out((*every, WarmingCamera(jnp.zeros(1))), setting) == []
+    (told,) = left_out(every[2:], setting)
+    assert f": {every[0].card.name}, {every[1].card.name}. An effect" in told
 
 
 def test_two_candidates_of_one_name_are_refused(scene: Scene) -> None:

@@ -35,9 +35,22 @@ def guide() -> dict[str, Any]:
         asked.update(more, data=data)
         return SimpleNamespace(verdict="no_gap", effects=lambda: [])
 
+    def predict(data: str, folder: str, additions: object) -> dict[str, SimpleNamespace]:
+        asked.update(predicted=(data, folder, additions))
+        scores = {"spatial": SimpleNamespace(rmse=0.05)}
+        return {"held_out": SimpleNamespace(scores=scores)}
+
+    fakes: dict[str, Any] = {
+        "thermo.discover.discover": discover,
+        "thermo.discover.load_effects": lambda folder, data, candidates: (folder, data, candidates),
+        "thermo.inverse.predict": predict,
+        "thermo.report.discovery_record": lambda _: {},
+        "thermo.report.write_discovery": lambda *left: asked.update(left=left),
+    }
     names: dict[str, Any] = {"__name__": "guide"}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("thermo.discover.discover", discover)
+        for name, fake in fakes.items():
+            patch.setattr(name, fake)
         for block in re.findall(r"```python\n(.*?)```", GUIDE.read_text("utf-8"), re.S):
             exec(compile(block, GUIDE.name, "exec", dont_inherit=True), names)
     return names | {"asked": asked}
@@ -53,6 +66,10 @@ def test_both_are_looked_for_beside_the_library(guide: dict[str, Any]) -> None:
     known = [one.card.name for one in library(SETTING)]
     assert found == [*known, "painted_top", "warming_camera"]
     assert (GUIDE.parents[1] / guide["asked"]["data"] / "scene.json").exists()
+    # What was left in a folder is predicted from there, with the same candidates.
+    data, folder, (left, scene, candidates) = guide["asked"]["predicted"]
+    assert data == scene == guide["asked"]["data"] and folder == left == guide["asked"]["left"][0]
+    assert candidates is guide["asked"]["candidates"]
 
 
 def test_the_paint_radiates_from_the_top_alone(guide: dict[str, Any], under: Conditions) -> None:

@@ -81,9 +81,11 @@ def test_the_contract_of_a_round() -> None:
 
 def test_files_and_page_are_left(tmp_path: Path) -> None:
     record = discovery_record(verdict("named")) | {"object": "a cup", "seconds": 3.0}
-    write_discovery(tmp_path, verdict("named"), record)
-    assert json.loads((tmp_path / "verdict.json").read_text())["effects"] == ["hidden_source"]
-    page = (tmp_path / "verdict.html").read_text("utf-8")
+    out = tmp_path / "not" / "there"
+    write_discovery(str(out), verdict("named"), record)
+    assert json.loads((out / "verdict.json").read_text())["effects"] == ["hidden_source"]
+    assert (out / "estimate.npz").exists()
+    page = (out / "verdict.html").read_text("utf-8")
     assert "a cup: what is missing" in page and WORDS["named"] in page
 
 

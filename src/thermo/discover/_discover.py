@@ -23,7 +23,7 @@ from thermo.discover._bench import (
 )
 from thermo.discover._candidate import Candidate
 from thermo.discover._descent import Ended
-from thermo.discover._library import Setting, setting_of
+from thermo.discover._library import Setting, library, setting_of
 from thermo.discover._memory import memory_of
 from thermo.discover._met import estimate_of
 from thermo.discover._misfit import Misfit, misfits
@@ -56,6 +56,9 @@ FRAMES = 300
 NODES = 6000
 """About the most nodes of the mesh [1], whose errors are measured and taken off."""
 
+_LEFT_OUT: Final = (
+    "Not looked for: {}. An effect that is left out may be named as one that reads like it."
+)
 _UNPROVED: Final = "No run is held out, so that nothing is proved."
 
 
@@ -101,7 +104,8 @@ def discover(
     )  # fmt: skip
     say("meshing")
     bench = set_up(task)
-    every = candidates(setting_of(task.scene, task.runs, bench.ready.mesh, task.names))
+    setting = setting_of(task.scene, task.runs, bench.ready.mesh, task.names)
+    every = candidates(setting)
     _check_names(every)
     memory = memory_of(checkpoint, every)
     bench, pace = replace(bench, memory=memory), Pace(say, memory.spared)
@@ -109,7 +113,7 @@ def discover(
     cells = rough(_sizes(begun, left), _noise(begun))
     path = search(begun, tuple(one for one in every if one.card.law), pace, rough=bool(cells))
     path, proof = told_apart(path, pace)
-    path = replace(path, remarks=path.remarks + cells)
+    path = replace(path, remarks=path.remarks + cells + left_out(every, setting))
     return _answer(path, proof, left, time.monotonic() - started)
 
 
@@ -154,6 +158,13 @@ def rough(cells: Mapping[str, float], noise: Mapping[str, float]) -> list[str]:
         for run, wrong in cells.items()
         if wrong > noise[run]
     ]
+
+
+def left_out(every: tuple[Candidate, ...], setting: Setting) -> list[str]:
+    """What to say of kinds of the library that were not looked for."""
+    names = {one.card.name for one in every}
+    missing = [one.card.name for one in library(setting) if one.card.name not in names]
+    return [_LEFT_OUT.format(", ".join(missing))] if missing else []
 
 
 def _misfits(standing: Standing) -> Mapping[str, Misfit]:

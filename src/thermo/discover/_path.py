@@ -136,7 +136,7 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace, *, rough: b
             quiet = not rounds and _absent(one, calm)
             remarks += stop or []
             break
-        rounds.append(one)
+        rounds.append(_told(one, pace))
         before, standing = standing, with_all(made[0], standing)
         rivals |= rivals_of(made, before)
         standing, rounds = pruned(standing, rounds, table.threshold**2, pace, remarks)
@@ -160,6 +160,14 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace, *, rough: b
     remarks += twice([name for name, _ in last.active]) + made_up(together)
     alarms = calibrated(begun, tables[0])
     return SearchPath(word, together, begun, last, tables[0], remarks, alarms, others)
+
+
+def _told(one: Round, pace: Pace) -> Round:
+    """The round itself, told with what it leaves by run [K]."""
+    before, after = one.rms_before, one.rms_after
+    left = ", ".join(f"{run} {before[run]:.3g} to {after[run]:.3g} K" for run in before)
+    pace.step(f"put to work: {' or '.join(one.together)}; {left}")
+    return one
 
 
 def checked(

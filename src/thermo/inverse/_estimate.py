@@ -18,7 +18,7 @@ from thermo.fields import QUANTITIES, AbstractField, Boundary, TwoMaterialField
 from thermo.inverse._properties import Stated
 from thermo.inverse._scale_effect import ScaleEffect
 from thermo.mesh import Mesh, face_areas, mesh_from_cells
-from thermo.observe import replacing
+from thermo.observe import write_whole
 from thermo.physics.effects import TabulatedLaw
 
 FORMAT = "thermofield-estimate/1"
@@ -154,7 +154,8 @@ def save_estimate(
 ) -> None:
     """Write mesh [m] and fields [SI] so that `load_estimate` can predict from them.
 
-    `effects`: arrays by name of what was added to the stated model, for `saved_effects`.
+    The folder is made where it is missing. `effects`: arrays by name of what was added to the
+    stated model, for `saved_effects`.
     """
     stated = estimate.stated
     arrays = {
@@ -177,7 +178,7 @@ def save_estimate(
             for part in PARTS:
                 arrays[f"{part}_{name}"] = getattr(field.boundary, part)
     arrays |= {EFFECT + name: array for name, array in (effects or {}).items()}
-    with replacing(path) as temporary:
+    with write_whole(path) as temporary:
         np.savez_compressed(temporary, allow_pickle=False, **arrays)
 
 

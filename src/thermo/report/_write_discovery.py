@@ -299,11 +299,13 @@ def discovery_table(record: Mapping[str, Any]) -> str:
     return table(rows, ["candidate", "score", "strength alone", "unit", "visible"])
 
 
-def write_discovery(out: Path, found: Verdict, record: Mapping[str, Any]) -> None:
+def write_discovery(out: Path | str, found: Verdict, record: Mapping[str, Any]) -> None:
     """Leaves `verdict.json` in a folder, `verdict.html`, which is rendered from it, and the model.
 
-    That is `estimate.npz`, the fields [SI] with the effects that were found, for `thermo predict`.
+    The folder is made where it is missing. The model is `estimate.npz`, the fields [SI] with the
+    effects that were found, for `thermo predict`.
     """
+    out = Path(out)
     save_estimate(out / "estimate.npz", found.extended, effects_as_arrays(found.additions))
     path = out / "verdict.json"
     write_json(path, record)

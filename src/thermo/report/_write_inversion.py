@@ -106,7 +106,7 @@ def rms_of(simulated: np.ndarray, measured: np.ndarray) -> np.ndarray:
 
 
 def write_inversion(
-    folder: Path,
+    folder: Path | str,
     estimate: Estimate,
     configuration: Mapping[str, Any],
     dropped: Mapping[str, int] | None = None,
@@ -118,6 +118,7 @@ def write_inversion(
     Leaves `field.npz` (surface vertices [m] and each field there), `estimate.npz` (what
     `thermo predict` reads), `field.vtu`, figures, and `result.json`.
     """
+    folder = Path(folder)
     mesh = estimate.mesh
     arrays: dict[str, np.ndarray] = {}
     for name, field in estimate.fields.items():

@@ -66,7 +66,7 @@ def _write_run(
 
 
 def write_predictions(
-    folder: Path,
+    folder: Path | str,
     verb: str,
     predictions: Mapping[str, Prediction],
     configuration: Mapping[str, Any],
@@ -88,6 +88,7 @@ def write_predictions(
     `remarks`: what a reader should know; `noise`: of a reading by run [K]; `mesh` [m] and `fields`
     of the fit [SI], which `RUN.html` shows as well.
     """
+    folder = Path(folder)
     for name, prediction in predictions.items():
         _write_run(folder, name, prediction, mesh, fields or {})
     record = {
