@@ -8,7 +8,8 @@ central differences and the trapezoidal rule on 71 points, with one assumption a
 go:
 
 - the room's temperature, which nobody logged, may differ from the rod's mean at the start;
-- the couples at the ends, whose readings are prescribed there, may be off by a constant each;
+- the couples at the ends, whose readings are prescribed there, may be off by a constant each,
+  also with the room at some temperatures of a laboratory;
 - all eight couples may be off by a constant of some deviation, and the room by another, with
   Gaussian priors; the likelihood then takes the 60 readings of ten minutes as one;
 - the inner couples are set right by their first two minutes, when the rod is steady.
@@ -41,6 +42,7 @@ TABLE = 4.05  # mm2/s, of the laboratory's sheet
 POINTS, BETWEEN = 71, 10  # grid points, and those from couple to couple
 STEP = 30.0  # s
 BLOCK = 12  # readings, two minutes, of which the mean is prescribed at the ends
+ROOMS = (20.0, 22.0, 24.0, 25.0)  # C
 RESOLUTION, ALIKE = 0.1, 60  # K of a couple; readings that count as one
 FIRST = (4.0, 5.0)  # mm2/s, W/m2/K
 
@@ -136,6 +138,14 @@ def freed(rod: Rod, room: bool, ends: bool) -> tuple[np.ndarray, float, np.ndarr
     return found, *parts(found)
 
 
+def ends_freed(rod: Rod, room: float) -> tuple[np.ndarray, float, np.ndarray]:
+    """Fit with the ends let go and the room so much [K] warmer than the rod at first."""
+    scale = np.array([1.0, 5.0, 0.1, 0.1])
+    first = np.array([*FIRST, 0.0, 0.0])
+    found = least_squares(lambda v: rod.apart(v, room, v[2:]).ravel(), first, x_scale=scale).x
+    return found, room, found[2:]
+
+
 def believed(rod: Rod, couple: float, room: float) -> tuple[np.ndarray, float, np.ndarray]:
     """Fit with offsets of all couples, of deviation `couple` [K], and of the room, `room` [K]."""
     weigh = 1 / (RESOLUTION * np.sqrt(ALIKE))
@@ -184,6 +194,9 @@ def main() -> None:
         ("ends", lambda: freed(rod, False, True)),
         ("room and ends", lambda: freed(rod, True, True)),
     ]
+    for room in ROOMS:
+        off = room - rod.room
+        asked.append((f"ends, room at {room:g} C", lambda off=off: ends_freed(rod, off)))
     for couple in (0.05, 0.1, 0.2):
         for room in (0.1, 1.0, 3.0):
             name = f"all couples by {couple} K and room by {room} K"
