@@ -120,7 +120,12 @@ def test_predict_scores_the_held_out_run(
     assert result(out)["effects"] == []
     # Three steps of Adam explain nothing.
     remarks = result(out)["remarks"]
-    assert len(remarks) == 2 and all("does not explain the recording" in one for one in remarks)
+    poor = [one for one in remarks if "does not explain the recording" in one]
+    assert len(poor) == 2 and all(one in outcome.out for one in remarks)
+    cells, noise = result(out)["cells"]["test_lamp"], result(out)["noise"]["test_lamp"]
+    coarse = [one for one in remarks if one.startswith("Cells make some")]
+    assert len(coarse) == (cells["largest"] > noise) == len(remarks) - len(poor)
+    assert 0 < cells["rms"] < cells["largest"]
     scores = result(out)["scores"]
     assert set(scores) == {"test_lamp"} and set(scores["test_lamp"]) == {"spatial", "median"}
     with np.load(block / "test_lamp.npz", allow_pickle=False) as stored:

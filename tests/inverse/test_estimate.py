@@ -107,8 +107,9 @@ def test_a_failed_write_leaves_the_older_estimate(
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(np, "savez_compressed", full)
-    with pytest.raises(OSError, match="No space"):
+    with pytest.raises(InputError, match="cannot be written") as caught:
         save_estimate(file, estimate())
+    assert caught.value.where == str(file) and "No space" in str(caught.value.value)
     assert file.read_bytes() == before and len(list(tmp_path.iterdir())) == 1
 
 
