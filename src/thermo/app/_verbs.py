@@ -8,8 +8,6 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from thermo import inverse
 from thermo.app._configuration import (
     build_field,
@@ -29,6 +27,7 @@ from thermo.discover import load_effects, stated_otherwise
 from thermo.observe import Scene, estimate_noise, read_scene
 from thermo.report import (
     Progress,
+    cells_wrong,
     inversion_table,
     prediction_table,
     require_writable,
@@ -137,12 +136,11 @@ def _of_cells(run: str, prediction: inverse.Prediction, noise: float) -> str:
     cells = prediction.cells
     if cells is None or cells.max() <= noise:
         return ""
-    worst = float(prediction.time[cells.argmax()])
-    whole = float(np.sqrt((cells**2).mean()))
+    wrong = cells_wrong(prediction.time, cells)
     return (
-        f"Cells make some {cells.max():.2g} K wrong in {run} at {worst:.3g} s, {whole:.2g} K over "
-        f"all frames (RMS), where noise is {noise:.2g} K: a larger mesh.cells_per_depth or "
-        f"mesh.max_nodes makes that less."
+        f"Cells make some {wrong['largest']:.2g} K wrong in {run} at {wrong['time']:.3g} s, "
+        f"{wrong['rms']:.2g} K over all frames (RMS), where noise is {noise:.2g} K: "
+        "a larger mesh.cells_per_depth or mesh.max_nodes makes that less."
     )
 
 

@@ -30,11 +30,12 @@ from ._write_identifiability import (
     write_identifiability,
 )
 from ._write_inversion import inversion_record, inversion_table, write_inversion
-from ._write_prediction import prediction_table, write_predictions
+from ._write_prediction import cells_wrong, prediction_table, write_predictions
 from ._write_reconstruction import write_reconstruction
 from ._write_registration import write_registration
 
 __all__ = [
+    "cells_wrong",
     "Layer",
     "Progress",
     "Readings",

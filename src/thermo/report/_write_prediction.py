@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
 from thermo.inverse import Prediction, RecoveredField
 from thermo.mesh import Mesh
@@ -101,7 +102,7 @@ def write_predictions(
         "scores_unit": "K",
         "noise": dict(noise or {}),
         "cells": {
-            name: _wrong(prediction.time, prediction.cells)
+            name: cells_wrong(prediction.time, prediction.cells)
             for name, prediction in predictions.items()
             if prediction.cells is not None
         },
@@ -116,8 +117,13 @@ def write_predictions(
     return record
 
 
-def _wrong(time: np.ndarray, cells: np.ndarray) -> dict[str, float]:
-    """What cells make wrong [K] over all frames, and in the frame [s] where it is most."""
+def cells_wrong(
+    time: Float[np.ndarray, " frames"], cells: Float[np.ndarray, " frames"]
+) -> dict[str, float]:
+    """What cells make wrong [K]: `rms` over all frames, `largest` in one and the `time` of it [s].
+
+    Arguments: `time` of the frames [s]; `cells`, as a `Prediction` has it [K].
+    """
     worst = int(cells.argmax())
     whole = float(np.sqrt((cells**2).mean()))
     return {"rms": whole, "largest": float(cells[worst]), "time": float(time[worst])}
