@@ -93,6 +93,17 @@ class Physics:
     start: Shape = nothing
 
 
+def _below(body: Body, way: np.ndarray) -> np.ndarray:
+    """How deep points inside lie below the skin, back along the light's way [m]."""
+    deep = np.zeros(len(body.at))
+    rays = body.surface.ray
+    hits, which, _ = rays.intersects_location(
+        body.at, np.broadcast_to(-way, body.at.shape), multiple_hits=False
+    )
+    deep[which] = np.linalg.norm(hits - body.at[which], axis=1)
+    return deep
+
+
 def pressure(temperature: np.ndarray | float) -> np.ndarray | float:
     """Of saturated vapour [Pa], Magnus's formula."""
     return 610.94 * np.exp(17.625 * (temperature - 273.15) / (temperature - 30.11))
@@ -139,8 +150,7 @@ class Heat:
         made = lamp.power * (1 - physics.deep) * body.skin.T @ (body.skin_weight * shape)
         if physics.deep:
             way = np.asarray(lamp.direction)
-            # Flat faces towards the lamp: how deep a point lies is measured along its axis.
-            below = (body.at @ way) - (body.skin_at[shape > 0] @ way).min()
+            below = _below(body, way)
             inside = lamp.shape(body.at, np.broadcast_to(-way, body.at.shape))
             inside = inside * np.exp(-below / physics.depth)
             inside *= lamp.power * physics.deep / (inside @ body.weight)
