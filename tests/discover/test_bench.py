@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -13,9 +16,11 @@ from hypothesis import strategies as st
 from lit_box import MESH, STATED, within
 
 from thermo.discover import _bench
-from thermo.discover._bench import Bench, edge_of, finest, resolved
+from thermo.discover._bench import Apart, Bench, corrected, edge_of, finest, resolved
+from thermo.discover._extended import Extended, readings
+from thermo.discover.candidates import ClockOffset, HeaterPower
 from thermo.errors import InputError
-from thermo.inverse import FINER, Meshing, Ready, mesh_for
+from thermo.inverse import FINER, Meshing, Ready, mesh_for, start, with_defects, with_remainders
 from thermo.mesh import Fine, Mesh
 
 from .lit_objective import box_task, objective
@@ -82,3 +87,41 @@ def test_a_large_place_gets_no_more_nodes_than_it_may(wanted: float, most: float
     count = len(np.unique(np.floor((edges - edges.min(axis=0)) / edge), axis=0))
     assert edge >= wanted and count <= most
     assert edge == wanted or edge < 0.01
+
+
+def test_a_clock_that_is_off_reads_the_body_as_it_is_on_finer_cells(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    coarse = objective()
+    none = [jnp.zeros_like(case.data) for case in coarse.cases]
+    bench = replace(bench, coarse=with_remainders(coarse, none))
+    # Where a run has nothing, finer ones have nothing either.
+    used = [case.used > 0 for case in coarse.cases]
+
+    def shaped(wave: Callable[[jax.Array], jax.Array]) -> Apart:
+        each = (wave(jnp.arange(one.size, dtype=float)).reshape(one.shape) for one in used)
+        return [jnp.where(here, one, 0.0) for here, one in zip(used, each, strict=True)]
+
+    # What cells make wrong of the body, and what a clock reads otherwise of a body's every frame.
+    wrong, frames = shaped(jnp.sin), shaped(jnp.cos)
+    finer = with_remainders(with_defects(coarse, wrong), none)
+
+    def finer_runs(_: Bench, point: Extended) -> Apart:
+        late = float(point.candidates[0].strength[0])
+        every = zip(readings(finer, point), frames, used, strict=True)
+        return [jnp.where(here, one + late * more, jnp.nan) for one, more, here in every]
+
+    monkeypatch.setattr(_bench, "finer_runs", finer_runs)
+    lamp = HeaterPower(jnp.array([0.1]))
+    late = Extended(start(coarse), (ClockOffset(jnp.array([0.7])), lamp))
+    after = corrected(bench, late, finer_runs(bench, late))
+    for case, body, read in zip(after.coarse.cases, wrong, frames, strict=True):
+        assert np.allclose(case.defect, body) and np.allclose(case.remainder, 0.7 * read)
+    there = finer_runs(bench, late)
+    for here, read, wanted in zip(used, readings(after.coarse, late), there, strict=True):
+        assert np.allclose(read[here], wanted[here])
+    # Without it all that is wrong is the body's, and nothing of what it read is left.
+    quiet = replace(late, candidates=(ClockOffset(jnp.zeros(1)), lamp))
+    anew = corrected(after, quiet, finer_runs(bench, quiet))
+    for case, body in zip(anew.coarse.cases, wrong, strict=True):
+        assert np.allclose(case.defect, body) and not np.any(case.remainder)

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from thermo.discover._candidate import Candidate
+from thermo.discover._candidate import AbstractReadingCandidate, Candidate
 from thermo.discover._extended import Extended, readings
 from thermo.discover._memory import Memory
 from thermo.errors import InputError
@@ -28,6 +28,7 @@ from thermo.inverse import (
     stand_in,
     start,
     with_defects,
+    with_remainders,
 )
 from thermo.mesh import Fine, Mesh
 from thermo.physics.integrators import Sdirk2
@@ -83,7 +84,13 @@ def set_up(task: Task) -> Bench:
     # The mesher is a process of its own: both meshes are made at once.
     mesh, finer = at_once(lambda by: mesh_for(task, stated, by), (1.0, FINER))
     ready = lay_out(task, mesh, stated)
-    return Bench(task, ready, coarse_tangents(task, ready), finer)
+    return Bench(task, ready, _coarse(task, ready), finer)
+
+
+def _coarse(task: Task, ready: Ready) -> Objective:
+    """Linear cells and few steps, nothing added to what they read [K] yet."""
+    made = coarse_tangents(task, ready)
+    return with_remainders(made, [jnp.zeros_like(case.data) for case in made.cases])
 
 
 def resolved(bench: Bench, edges: Points) -> Bench:
@@ -100,7 +107,7 @@ def resolved(bench: Bench, edges: Points) -> Bench:
         wanted = (_SMALLER, Fine(edges, edge)), (FINER, Fine(edges, edge / _SMALLER))
         mesh, finer = at_once(lambda one: mesh_for(task, stated, *one), wanted)
     ready = lay_out(task, mesh, stated)
-    return replace(bench, ready=ready, coarse=coarse_tangents(task, ready), finer=finer)
+    return replace(bench, ready=ready, coarse=_coarse(task, ready), finer=finer)
 
 
 def _edge_about(edges: Points, wanted: float, most: float) -> float:
@@ -140,15 +147,38 @@ def steps_for(objective: Objective, point: Extended) -> Objective:
 def corrected(bench: Bench, point: Extended, wanted: Apart) -> Bench:
     """The bench with all that its cells and steps make wrong at a point taken off [K].
 
+    What they make wrong of temperatures is taken off before effects on the readings: a clock that
+    is off, or a slow sensor, reads a body as it is. What is still wrong of readings, since those
+    effects see fewer frames here, is taken off after them.
+
     `wanted`: what `finer_runs` reads there [K].
     """
     none = [jnp.zeros_like(one) for one in wanted]
+    body = _unread(point)
+    if body is not point:
+        bench = corrected(bench, body, finer_runs(bench, body))
+        bare = steps_for(with_remainders(bench.coarse, none), point)
+        apart = _apart(bench.memory, wanted, bare, point)
+        return replace(bench, coarse=with_remainders(bench.coarse, apart))
     # Where nothing is at work a program of the stated model does; else one serves all refits.
     if not _at_work(point):
         point = replace(point, candidates=())
-    bare = steps_for(with_defects(bench.coarse, none), point)
-    apart = _apart(bench.memory, wanted, bare, point)
-    return replace(bench, coarse=with_defects(bench.coarse, apart))
+    coarse = with_remainders(with_defects(bench.coarse, none), none)
+    apart = _apart(bench.memory, wanted, steps_for(coarse, point), point)
+    return replace(bench, coarse=with_defects(coarse, apart))
+
+
+def _unread(point: Extended) -> Extended:
+    """The point without effects on the readings [1]; itself where none is at work."""
+    if not any(isinstance(one, AbstractReadingCandidate) for one in _at_work(point)):
+        return point
+    candidates = (
+        replace(one, strength=jnp.zeros_like(one.strength))
+        if isinstance(one, AbstractReadingCandidate)
+        else one
+        for one in point.candidates
+    )
+    return replace(point, candidates=tuple(candidates))
 
 
 def usual_errors(bench: Bench, point: Extended, wanted: Apart) -> Apart:

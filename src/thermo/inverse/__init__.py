@@ -17,6 +17,7 @@ from thermo.inverse._defect import (
     defect_sizes,
     finer_readings,
     with_defects,
+    with_remainders,
 )
 from thermo.inverse._estimate import (
     Estimate,
@@ -163,5 +164,6 @@ __all__ = [
     "weighted_quantile",
     "whiten",
     "with_defects",
+    "with_remainders",
     "with_fields",
 ]

@@ -28,7 +28,8 @@ class Case(eqx.Module):
     - `used`: 1 where there is a valid value, else 0 [1].
     - `errors`: of the readings; `trust`: what whitened residuals are multiplied by [1].
     - `pinned`: 1 where a sample's constant error was taken off by its quiet frames, else 0 [1].
-    - `defect`: what is added to the simulation for its cells and steps, (frames, samples) [K].
+    - `defect`: what is added to the simulation for its cells and steps, (frames, samples) [K],
+      before effects on the readings; `remainder`: what is added to the readings after that, if any.
     - `shared`: what they may still make wrong in all readings at once, whitened, (frames, samples)
       [1]; zero where nothing is added.
     - `between`: where frames lie between the steps, the weights of what the grid's own frames
@@ -47,6 +48,7 @@ class Case(eqx.Module):
     defect: Float[Array, "*runs frames samples"]
     shared: Float[Array, "*runs frames samples"]
     between: Float[Array, "*runs frames ends"] | None = None
+    remainder: Float[Array, "*runs frames samples"] | None = None
 
     def weight(self) -> Float[Array, "*runs frames samples"]:
         """1 / standard deviation of each reading, zero where there is none [1/K]."""

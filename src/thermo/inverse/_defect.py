@@ -149,6 +149,14 @@ def with_defects(objective: Objective, apart: Defects) -> Objective:
     return replace(objective, cases=tuple(cases))
 
 
+def with_remainders(objective: Objective, apart: Defects) -> Objective:
+    """The objective with what is added to its readings, effects on them among them [K]."""
+    cases = [
+        replace(case, remainder=one) for case, one in zip(objective.cases, apart, strict=True)
+    ]
+    return replace(objective, cases=tuple(cases))
+
+
 def with_shared(objective: Objective) -> Objective:
     """The objective to which its defects [K] may still be wrong by a share that nobody knows.
 

@@ -143,7 +143,10 @@ def case_temperatures(
     adjoint: AbstractAdjoint | None = None,
     additions: tuple[Addition, ...] = (),
 ) -> Float[Array, "frames samples"]:
-    """Simulated readings [K] of one run at its samples and frames, its defect added."""
+    """Simulated readings [K] of one run at its samples and frames, its defect added.
+
+    A camera sees what the body is at, not what cells make of it: its errors come after the defect.
+    """
     model = extend(case_model(objective, fields, case), case.under, additions)
     initial = case.under.start(len(objective.space.mesh.nodes))
     temperature = solve_heat(
@@ -156,7 +159,8 @@ def case_temperatures(
         adjoint=adjoint,
     ).temperature
     body_at = temperature if case.between is None else case.between @ temperature
-    return read_as(body_at, case.time, case.under, case.pinned, additions) + case.defect
+    read = read_as(body_at + case.defect, case.time, case.under, case.pinned, additions)
+    return read if case.remainder is None else read + case.remainder
 
 
 def case_model(objective: Objective, fields: dict[str, AbstractField], case: Case) -> Model:
