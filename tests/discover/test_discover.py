@@ -157,6 +157,7 @@ def test_a_lamp_of_another_power_is_named_by_how_much_it_is_off(
     assert proof.gap_closed is not None and proof.gap_closed > 0.95
     assert proof.rms_after == pytest.approx(NOISE, rel=0.1)
     assert found.omnibus[0] < 1e-6 < found.omnibus[1]
+    assert "heater_power" in repr(found) and len(repr(found)) < 3000
     before, after = (one["lamp"].inputs["lamp"] for one in found.traces)
     assert before.p_value == 0.0 and abs(before.score) > 10
     assert after.p_value > 1e-3 and abs(after.score) < 5

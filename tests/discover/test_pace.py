@@ -32,7 +32,7 @@ def test_time_left_is_told_once_every_kind_ahead_was_made() -> None:
     for words, kind, ahead, seconds in steps:
         pace.step(words, kind, ahead)
         clock.now += seconds
-    left = "; about {} left in this round"
+    left = "; {} or more left in this round"
     assert said == [
         "stated", "scoring", "one",
         "two" + left.format("1 min 40 s"),
@@ -51,8 +51,8 @@ def test_what_was_found_again_counts_as_long_as_it_had_taken() -> None:
     pace.step("two", REFIT, {REFIT: 2})
     clock.now += 30.0
     pace.step("three", REFIT, {REFIT: 1})
-    assert said[1].endswith("about 52 s left in this round"), "the 3 s were before its first step"
-    assert said[2].endswith("about 28 s left in this round")
+    assert said[1].endswith("; 52 s or more left in this round"), "the 3 s were before its first step"
+    assert said[2].endswith("; 28 s or more left in this round")
 
 
 def test_nothing_is_made_up() -> None:

@@ -53,6 +53,11 @@ def test_what_is_saved_is_loaded(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["estimate.npz"]
 
 
+def test_it_shows_itself_in_a_line_not_in_pages_of_arrays() -> None:
+    words = repr(estimate())
+    assert "success=True" in words and "array" not in words and len(words) < 400
+
+
 def damage(file: Path, kind: str) -> None:
     save_estimate(file, estimate())
     data = file.read_bytes()

@@ -1,4 +1,4 @@
-"""What a search is doing, and about how long what is known to be ahead will take."""
+"""What a search is doing, and how long at the least what is known to be ahead will take."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ class Pace:
       goes on after an interruption counts as what it took in all.
     - `clock`: gives seconds [s]; only differences count.
 
-    How many rounds a search has is not known, nor what a step takes of whose kind there was none:
-    nothing is said of either.
+    How many rounds a search has is not known, nor what a step takes of whose kind there was none,
+    nor whether cells will have to be smaller: nothing is said of either, so that it may take more.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class Pace:
         self._end()
         self._kind = kind
         left = self.left(ahead or {})
-        more = "" if left is None else f"; about {duration(left)} left in this round"
+        more = "" if left is None else f"; {duration(left)} or more left in this round"
         self._say(words + more)
 
     def left(self, ahead: Mapping[str, int]) -> float | None:

@@ -82,7 +82,7 @@ class Round:
     - `closed`: share of what is beyond noise that it closes [1].
     """
 
-    candidates: list[Candidacy]
+    candidates: list[Candidacy] = field(repr=False)
     threshold: float
     effect: Effect
     together: list[str]
@@ -126,7 +126,7 @@ class HeldOut:
     gap_closed: float | None
     interval95: tuple[float, float] | None
     doubt: float
-    differences: Differences
+    differences: Differences = field(repr=False)
 
 
 Word = Literal["named", "inseparable", "none_of_mine", "no_gap"]
@@ -135,7 +135,7 @@ Word = Literal["named", "inseparable", "none_of_mine", "no_gap"]
 @final
 @dataclass(frozen=True)
 class Verdict:
-    """The answer, and what it rests on.
+    """The answer, and what it rests on. Its `repr` is short: what would be pages is left out.
 
     - `verdict`; `rounds`: of what is named, or of the best that does not explain the gap.
     - `held_out`: by run; `missed`: by kind the strengths that would have been found, beside what
@@ -154,21 +154,21 @@ class Verdict:
 
     verdict: Word
     rounds: list[Round]
-    candidates: list[Candidacy]
+    candidates: list[Candidacy] = field(repr=False)
     threshold: float
     held_out: Mapping[str, HeldOut]
-    missed: Mapping[str, Power]
+    missed: Mapping[str, Power] = field(repr=False)
     cells: Mapping[str, float]
     noise: Mapping[str, float]
     parameters: Mapping[str, tuple[float, float]]
-    alias: Mapping[str, Mapping[str, float]]
+    alias: Mapping[str, Mapping[str, float]] = field(repr=False)
     omnibus: tuple[float, float]
-    calibration: Calibration
-    misfits: tuple[Mapping[str, Misfit], Mapping[str, Misfit]]
-    traces: tuple[Mapping[str, Trace], Mapping[str, Trace]]
-    stated: Estimate
-    extended: Estimate
-    additions: tuple[Candidate, ...]
+    calibration: Calibration = field(repr=False)
+    misfits: tuple[Mapping[str, Misfit], Mapping[str, Misfit]] = field(repr=False)
+    traces: tuple[Mapping[str, Trace], Mapping[str, Trace]] = field(repr=False)
+    stated: Estimate = field(repr=False)
+    extended: Estimate = field(repr=False)
+    additions: tuple[Candidate, ...] = field(repr=False)
     remarks: list[str] = field(default_factory=list)
 
     def effects(self) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import final
 from zipfile import BadZipFile
@@ -91,7 +91,7 @@ class RunFit:
 @final
 @dataclass(frozen=True)
 class Estimate:
-    """The result of a fit.
+    """The result of a fit. Its `repr` is short: arrays are left out.
 
     - `mesh`: linear mesh [m] that the fields live on; `order` of the cells that were fitted [1].
     - `stated`: uniform values of everything else [SI]; `fields`: what was recovered, by name.
@@ -104,12 +104,12 @@ class Estimate:
       is exact, or the parameters too many to tell.
     """
 
-    mesh: Mesh
+    mesh: Mesh = field(repr=False)
     order: int
     stated: Stated
-    fields: dict[str, RecoveredField]
-    runs: dict[str, RunFit]
-    history: list[list[float]]
+    fields: dict[str, RecoveredField] = field(repr=False)
+    runs: dict[str, RunFit] = field(repr=False)
+    history: list[list[float]] = field(repr=False)
     success: bool
     seconds: float
     resolution: str
