@@ -98,7 +98,7 @@ def standing_at(objective: Objective, *candidates: Candidate) -> Standing:
     """One at which all of the candidates' first parts are at work."""
     point = Extended(start(objective), candidates)
     values = sum(np.size(case.used) for case in objective.cases)
-    count = values + penalty(objective, point.fields).size
+    count = values + penalty(objective, point.fields).size + len(objective.sequence)
     names = [each.card.name for each in candidates]
     ended = Ended(point, np.zeros(count), np.zeros((count, 1)))
     return Standing(

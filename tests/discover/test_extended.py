@@ -6,9 +6,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from lit_box import FRAMES, at, one
+from lit_box import FRAMES, HOT, LAMP, at, one, run
 
 from thermo.discover import Candidate
+from thermo.discover._at_rest import rest_residual
 from thermo.discover._entries import entries, entry_of, field_entries, free_entries, joined
 from thermo.discover._extended import (
     WIDTH,
@@ -127,10 +128,30 @@ def test_priors_come_last_and_know_no_candidates(
     value, slopes = found
     last = parts(objective)[-1].stop
     assert len(value) > last
-    np.testing.assert_allclose(value[last:], penalty(objective, point.fields), atol=1e-12)
+    priors = value[last : len(value) - len(objective.sequence)]
+    np.testing.assert_allclose(priors, penalty(objective, point.fields), atol=1e-12)
     fields = len(field_entries(point, point.fields).number)
     assert np.all(slopes[last:, fields : len(ways)] == 0)
     assert np.abs(slopes[last:, :fields]).max(0).min() > 0.1
+
+
+def test_what_a_body_reads_at_rest_comes_after_priors() -> None:
+    hot = (run("lamp", lamp=LAMP, quiet=True), run("hot", initial=HOT, quiet=True))
+    both = made(hot)
+    wrong = CameraEmissivity(jnp.asarray([0.1]))
+    point = Extended(start(both), (wrong,))
+    every = np.eye(numbers(point).count)
+    value, slopes = columns(both, point, every)
+    rest = rest_residual(both.cases, (wrong,))
+    np.testing.assert_allclose(value[-2:], rest, atol=1e-12)
+    strength = entry_of(point, ("camera_emissivity", 0)).strengths[0]
+    # Twice the strength, twice the difference: none of it comes from the readings.
+    np.testing.assert_allclose(
+        slopes[-2:, strength], 10 * (rest - rest_residual(both.cases, ())), atol=1e-9
+    )
+    assert np.all(np.delete(slopes[-2:], strength, axis=1) == 0)
+    there = signatures(both, point, np.eye(1))
+    np.testing.assert_allclose(there[-2:, 0], slopes[-2:, strength], atol=1e-9)
 
 
 def test_what_is_read_less_the_data_is_the_residual(

@@ -51,8 +51,9 @@ def test_what_was_found_again_counts_as_long_as_it_had_taken() -> None:
     pace.step("two", REFIT, {REFIT: 2})
     clock.now += 30.0
     pace.step("three", REFIT, {REFIT: 1})
-    assert said[1].endswith("; 52 s or more left in this round"), "the 3 s were before its first step"
-    assert said[2].endswith("; 28 s or more left in this round")
+    told = "; {} s or more left in this round"
+    assert said[1].endswith(told.format(52)), "the 3 s were before its first step"
+    assert said[2].endswith(told.format(28))
 
 
 def test_nothing_is_made_up() -> None:

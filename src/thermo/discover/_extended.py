@@ -14,6 +14,7 @@ from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float, Int
 
 from thermo._compiled import program
+from thermo.discover._at_rest import rest_residual
 from thermo.discover._candidate import Candidate
 from thermo.inverse import (
     Case,
@@ -128,17 +129,26 @@ def _columns(
 
 
 @program
-def _penalty_columns(
-    alone: Objective, point: Extended, ways: Float[Array, "ways entries"]
+def _other_columns(
+    objective: Objective, point: Extended, ways: Float[Array, "ways entries"]
 ) -> Columns:
     flat, unravel = ravel_pytree(point)
-    return _push(lambda at: penalty(alone, unravel(at).fields), flat, ways)
+    return _push(lambda at: _others(objective, unravel(at)), flat, ways)
+
+
+def _others(objective: Objective, point: Extended) -> Float[Array, " values"]:
+    """The residual [1] of what is no reading of a run: of priors, and of the body at rest."""
+    rest = rest_residual(objective.cases, point.candidates)
+    return jnp.concatenate([penalty(objective, point.fields), rest])
 
 
 def columns(
     objective: Objective, point: Extended, ways: Float[np.ndarray, "ways entries"]
 ) -> tuple[Float[np.ndarray, " values"], Float[np.ndarray, "values ways"]]:
-    """Whitened residual [1] of readings and priors, and its slopes along ways of the entries."""
+    """Whitened residual [1] and its slopes along ways of the entries.
+
+    Readings come first, then priors, then what the body reads at rest.
+    """
     width = FEW if len(ways) <= FEW else WIDTH
     alone, runs = _apart(objective)
     chunks = _filled(ways, width)
@@ -147,7 +157,7 @@ def columns(
     values, slopes = [], []
     for parts in [
         *([next(each) for _ in chunks] for _ in runs),
-        [_penalty_columns(alone, point, chunk) for chunk in chunks],
+        [_other_columns(objective, point, chunk) for chunk in chunks],
     ]:
         values.append(np.asarray(parts[0][0]))
         slopes.append(np.concatenate([np.asarray(slope) for _, slope in parts], 1))
@@ -169,17 +179,30 @@ def _signatures(
     row: Int[Array, ""],
     ways: Float[Array, "ways strengths"],
 ) -> Float[Array, "values ways"]:
-    flat, unravel = ravel_pytree([one.strength for one in point.candidates])
+    flat, at = _by_strengths(point)
     case = _one(group, row)
+    return _push(lambda some: _white(alone, at(some), case), flat, ways)[1]
+
+
+@program
+def _other_signatures(
+    objective: Objective, point: Extended, ways: Float[Array, "ways strengths"]
+) -> Float[Array, "values ways"]:
+    flat, at = _by_strengths(point)
+    return _push(lambda some: _others(objective, at(some)), flat, ways)[1]
+
+
+def _by_strengths(
+    point: Extended,
+) -> tuple[Float[Array, " strengths"], Callable[[Float[Array, " strengths"]], Extended]]:
+    """The strengths of a point, and the point with others, places as they are."""
+    flat, unravel = ravel_pytree([one.strength for one in point.candidates])
 
     def at(strengths: Float[Array, " strengths"]) -> Extended:
         pairs = zip(point.candidates, unravel(strengths), strict=True)
         return with_candidates(point, tuple(replace(one, strength=some) for one, some in pairs))
 
-    def along(way: Float[Array, " strengths"]) -> Float[Array, " values"]:
-        return jax.jvp(lambda some: _white(alone, at(some), case), (flat,), (way,))[1]
-
-    return jax.vmap(along, out_axes=1)(ways)
+    return flat, at
 
 
 def signatures(
@@ -187,16 +210,17 @@ def signatures(
 ) -> Float[np.ndarray, "values ways"]:
     """Slopes of the whitened readings [1] along ways of all strengths, one after the other.
 
-    Places stay where they are, so that their shapes are made once for all ways. Priors, which no
-    strength moves, follow with zeros.
+    Places stay where they are, so that their shapes are made once for all ways. Rows as of
+    `columns`.
     """
     width = next((one for one in STRENGTHS if len(ways) <= one), STRENGTHS[-1])
     alone, runs = _apart(objective)
     chunks = _filled(ways, width)
     work = [(*run, chunk) for run in runs for chunk in chunks]
     each = iter(at_once(lambda one: np.asarray(_signatures(alone, point, *one)), work))
-    slopes = [np.concatenate([next(each) for _ in chunks], 1)[:, : len(ways)] for _ in runs]
-    return np.concatenate([*slopes, np.zeros((penalty(objective, point.fields).size, len(ways)))])
+    slopes = [np.concatenate([next(each) for _ in chunks], 1) for _ in runs]
+    others = [np.asarray(_other_signatures(objective, point, chunk)) for chunk in chunks]
+    return np.concatenate([*slopes, np.concatenate(others, 1)])[:, : len(ways)]
 
 
 @program

@@ -4,6 +4,7 @@ from thermo.inverse._addition import (
     AbstractHeatAddition,
     AbstractReadingAddition,
     Addition,
+    read_at_rest,
 )
 from thermo.inverse._bands import NORMAL, Band, bands
 from thermo.inverse._body import SCANNED_CONDUCTIVITIES, Meshing
@@ -145,6 +146,7 @@ __all__ = [
     "penalty",
     "posterior",
     "predict",
+    "read_at_rest",
     "recovered",
     "residual",
     "save_checkpoint",

@@ -64,3 +64,17 @@ def read_as(
             before = one.to_readings(quiet, jnp.array([-1.0, 0.0]), under)[0] - under.initial
             temperature = one.to_readings(temperature, time, under) - pinned * before
     return temperature
+
+
+def read_at_rest(
+    under: Conditions, samples: int, additions: Iterable[Addition]
+) -> Float[Array, " samples"]:
+    """What `samples` [1] of a body at rest before a run read more than it is at [K].
+
+    Of all additions to the readings, each after the other.
+    """
+    quiet = jnp.full((2, samples), under.initial)
+    for one in additions:
+        if isinstance(one, AbstractReadingAddition):
+            quiet = one.to_readings(quiet, jnp.array([-1.0, 0.0]), under)
+    return quiet[0] - under.initial

@@ -30,6 +30,7 @@ class Case(eqx.Module):
     - `pinned`: 1 where a sample's constant error was taken off by its quiet frames, else 0 [1].
     - `defect`: what is added to the simulation for its cells and steps, (frames, samples) [K],
       before effects on the readings; `remainder`: what is added to the readings after that, if any.
+    - `resting`: what those samples read wrongly before the run that are pinned, their mean [K].
     - `shared`: what they may still make wrong in all readings at once, whitened, (frames, samples)
       [1]; zero where nothing is added.
     - `between`: where frames lie between the steps, the weights of what the grid's own frames
@@ -49,6 +50,7 @@ class Case(eqx.Module):
     shared: Float[Array, "*runs frames samples"]
     between: Float[Array, "*runs frames ends"] | None = None
     remainder: Float[Array, "*runs frames samples"] | None = None
+    resting: Float[Array, "*runs"] | None = None
 
     def weight(self) -> Float[Array, "*runs frames samples"]:
         """1 / standard deviation of each reading, zero where there is none [1/K]."""
@@ -139,19 +141,21 @@ def make_case(
     readout, _ = bind(recording, space.mesh, where=where)
     frames = np.searchsorted(recording.time, np.asarray(grid.frame_time) - 1e-9)
     noise = estimate_noise(recording)
-    data = jnp.asarray(recording.temperature[frames] - constant_error(run, noise)[0])
+    error, known = constant_error(run, noise)[0], pinned(run)
+    data = jnp.asarray(recording.temperature[frames] - error)
     errors = reading_errors(run, noise, frames, model_error=model_error)
     used = jnp.asarray(recording.valid[frames], float)
     time = jnp.asarray(grid.frame_time, float)
-    read = (time, data, used, errors, jnp.asarray(1.0, float), jnp.asarray(pinned(run)))
+    read = (time, data, used, errors, jnp.asarray(1.0, float), jnp.asarray(known))
     none = (jnp.zeros(data.shape), jnp.zeros(data.shape))
     under = conditions(run, space)
+    resting = jnp.asarray(float(known @ error / max(known.sum(), 1.0)))
     if steps is None:
-        return Case(under, grid, readout, *read, *none)
+        return Case(under, grid, readout, *read, *none, resting=resting)
     ends = np.asarray(steps.frame_time)
     wanted = np.asarray(grid.frame_time)
     between = jnp.asarray(between_steps(ends, np.eye(len(ends)), wanted, run.switches()))
-    return Case(under, steps, readout, *read, *none, between)
+    return Case(under, steps, readout, *read, *none, between, resting=resting)
 
 
 def in_kelvin(case: Case) -> Case:
@@ -206,7 +210,7 @@ def _pad_case(case: Case, steps: int, ends: int, frames: int, samples: int) -> C
         between = jnp.asarray(_pad(_pad(between, frames, 0, edge=False), ends, 1, edge=False))
     time = jnp.asarray(_pad(case.time, frames, 0, edge=True))
     read = (time, jnp.asarray(data), used, errors, case.trust, held, defect, shared)
-    return Case(case.under, grid, readout, *read, between)
+    return Case(case.under, grid, readout, *read, between, resting=case.resting)
 
 
 def group_cases(cases: Sequence[Case]) -> list[list[int]]:

@@ -151,9 +151,7 @@ def with_defects(objective: Objective, apart: Defects) -> Objective:
 
 def with_remainders(objective: Objective, apart: Defects) -> Objective:
     """The objective with what is added to its readings, effects on them among them [K]."""
-    cases = [
-        replace(case, remainder=one) for case, one in zip(objective.cases, apart, strict=True)
-    ]
+    cases = [replace(case, remainder=one) for case, one in zip(objective.cases, apart, strict=True)]
     return replace(objective, cases=tuple(cases))
 
 

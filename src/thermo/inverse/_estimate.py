@@ -172,11 +172,11 @@ def save_estimate(
         law = getattr(stated, name)
         if law is not None:
             arrays[name] = np.stack([law.temperature, law.value])
-    for name, field in estimate.fields.items():
-        arrays[f"cells_{name}"], arrays[f"faces_{name}"] = field.cells, field.faces
-        if field.boundary is not None:
+    for name, found in estimate.fields.items():
+        arrays[f"cells_{name}"], arrays[f"faces_{name}"] = found.cells, found.faces
+        if found.boundary is not None:
             for part in PARTS:
-                arrays[f"{part}_{name}"] = getattr(field.boundary, part)
+                arrays[f"{part}_{name}"] = getattr(found.boundary, part)
     arrays |= {EFFECT + name: array for name, array in (effects or {}).items()}
     with write_whole(path) as temporary:
         np.savez_compressed(temporary, allow_pickle=False, **arrays)

@@ -28,7 +28,8 @@ class ForwardOnly(AbstractAdjoint):
 
 @eqx.filter_custom_jvp
 def _march(step: Any, start: Any, inputs: Any) -> Any:
-    return jax.lax.scan(step, start, inputs)
+    # Where nothing moves, as by errors of readings alone, JAX hashes what is scanned.
+    return jax.lax.scan(lambda state, one: step(state, one), start, inputs)
 
 
 @_march.def_jvp
