@@ -38,7 +38,8 @@ def change(objective: Objective, before: Extended, after: Extended) -> np.ndarra
     both = zip(readings(objective, before), readings(objective, after), strict=True)
     apart = [b - a for a, b in both]
     white = np.asarray(whitened(objective, apart))
-    return np.append(white, np.zeros(penalty(objective, before.fields).size))[:, None]
+    others = penalty(objective, before.fields).size + len(objective.sequence)
+    return np.append(white, np.zeros(others))[:, None]
 
 
 def test_a_patch_half_as_wide_is_within_what_is_allowed(objective: Objective) -> None:

@@ -7,11 +7,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from lit_box import MESH, STATED
+from lit_box import HOT, LAMP, MESH, STATED, run
 from scipy.stats import chi2
 from standings import standing
 from verdicts import held, one_round
@@ -23,11 +24,18 @@ from thermo.discover._path import SearchPath
 from thermo.discover._refits import Refit
 from thermo.discover._scores import ScoreTable
 from thermo.discover._standing import Standing
-from thermo.discover._told_apart import excluded, half_and_third, refuted, told_apart
-from thermo.inverse import Ready
+from thermo.discover._told_apart import (
+    excluded,
+    half_and_third,
+    refuted,
+    told_apart,
+    wrong_at_rest,
+)
+from thermo.discover.candidates import CameraEmissivity, HeaterPower
+from thermo.inverse import Ready, Task
 from thermo.mesh import box_mesh
 
-from .lit_objective import box_task, objective
+from .lit_objective import box_task, objective, partly, standing_at
 
 NAMES = ("hidden_source", "sensor_lag", "void")
 
@@ -48,6 +56,7 @@ def apart(
     word: str = "inseparable",
     *,
     cells: bool = False,
+    at_rest: str = "",
 ) -> tuple[SearchPath, Mapping[str, HeldOut], list[str]]:
     """A path whose last effect is the first of some that explain the fitted runs alike."""
     there = {name: standing(60.0, 2, active=((name, 0),)) for name in left}
@@ -70,6 +79,7 @@ def apart(
         object.__setattr__(one, "point", name)
     fakes: dict[str, Any] = {
         "held_out": predicted,
+        "wrong_at_rest": lambda *_: at_rest,
         "half_and_third": lambda *_: (None, None) if cells else None,
         "with_all": lambda refit, _: refit.standing,
         "undoubted": lambda one, _: one,
@@ -90,6 +100,39 @@ def apart(
     )  # type: ignore[arg-type]  # fmt: skip
     after, found = told_apart(path, silent())
     return after, found, told
+
+
+def test_a_camera_of_another_scale_is_refuted_by_what_it_read_of_a_warm_body_at_rest(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    runs = (run("cold", lamp=LAMP, quiet=True), run("hot", initial=HOT, quiet=True))
+    right = objective(runs)
+    task = partly(Task, runs=runs)
+    bench = partly(Bench, coarse=right, task=task)
+    plain, wrong = (
+        replace(standing_at(right, CameraEmissivity(jnp.asarray([one]))), bench=bench)
+        for one in (0.0, -0.1)
+    )
+    words = wrong_at_rest(plain, wrong)
+    kelvins = 0.1 * (HOT - runs[0].initial_temperature)
+    assert f"quiet frames of cold would be {kelvins:.2g} K higher" in words and "hot" in words
+    assert wrong_at_rest(plain, plain) == ""
+    # A camera that is off before one of the runs for another reason is nothing against a lamp.
+    (case,) = right.cases
+    off = replace(right, cases=(replace(case, resting=case.resting + jnp.array([0.0, 3.0])),))
+    bench = partly(Bench, coarse=off, task=task)
+    lamp = HeaterPower(jnp.asarray([0.2]))
+    before, after = (
+        replace(standing_at(right, *some), bench=bench)
+        for some in ((replace(lamp, strength=jnp.zeros(1)),), (lamp,))
+    )
+    assert wrong_at_rest(before, after) == ""
+
+    there = {"inseparable": words, "named": ""}
+    for word, told in there.items():
+        path, *_ = apart(monkeypatch, {"void": 1.0}, word, at_rest=told)
+        assert path.word == ("none_of_mine" if told else word)
+        assert path.remarks == (["before", told] if told else ["before"])
 
 
 def test_one_that_leaves_far_more_on_another_run_is_excluded(

@@ -7,7 +7,9 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
+from scipy.stats import chi2
 
+from thermo.discover._at_rest import KNOWN, rest_residual
 from thermo.discover._bench import FINEST, Bench, finest
 from thermo.discover._held_out import held_out
 from thermo.discover._pace import Pace
@@ -35,6 +37,10 @@ _MET: Final = 1.1
 _HELD: Final = 1 - ELSEWHERE**2
 
 
+# Chance of as large a difference before the runs [1].
+_BY_REST: Final = 1e-3
+
+
 def told_apart(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
     """What is predicted of held-out runs; and the path without what they exclude.
 
@@ -44,7 +50,12 @@ def told_apart(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
     are refuted, on smaller cells as well, nothing is named.
     """
     path, proof = _without_excluded(path, pace)
-    if path.word not in ("named", "inseparable") or not any(map(refuted, proof.values())):
+    if path.word not in ("named", "inseparable"):
+        return path, proof
+    wrong = wrong_at_rest(path.begun, path.standing)
+    if wrong:
+        return replace(path, word="none_of_mine", remarks=[*path.remarks, wrong]), proof
+    if not any(map(refuted, proof.values())):
         return path, proof
     remarks, large = list(path.remarks), proof
     benches = half_and_third(path.standing.bench, path.begun.bench)
@@ -59,6 +70,29 @@ def told_apart(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
         return replace(path, remarks=remarks), proof
     remarks += [_refuted(name, proof[name]) for name in against]
     return replace(path, word="none_of_mine", remarks=remarks), proof
+
+
+def wrong_at_rest(begun: Standing, standing: Standing) -> str:
+    """What to say where quiet frames speak against effects on the readings; else nothing.
+
+    Against them and not against what is stated: cameras may be off otherwise before each run.
+    """
+    cases = standing.bench.coarse.cases
+    before, after = (
+        np.asarray(rest_residual(cases, one.point.candidates)) for one in (begun, standing)
+    )
+    told = float(after @ after)
+    if chi2.sf(told, len(after) - 1) > _BY_REST or told <= before @ before:
+        return ""
+    numbers = standing.bench.coarse.sequence
+    high, low = (
+        standing.bench.task.runs[numbers[int(at)]].name for at in (after.argmax(), after.argmin())
+    )
+    return (
+        f"With what explains the fitted runs quiet frames of {high} would be "
+        f"{KNOWN * np.ptp(after):.2g} K higher than they are, beside those of {low}, and that is "
+        f"known to {KNOWN:g} K. It is not what is missing."
+    )
 
 
 def half_and_third(bench: Bench, begun: Bench) -> tuple[Bench, Bench] | None:
