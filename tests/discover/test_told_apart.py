@@ -119,6 +119,7 @@ def test_a_camera_of_another_scale_is_refuted_by_what_it_read_of_a_warm_body_at_
     assert wrong_at_rest(plain, plain) == ""
     # A camera that is off before one of the runs for another reason is nothing against a lamp.
     (case,) = right.cases
+    assert case.resting is not None
     off = replace(right, cases=(replace(case, resting=case.resting + jnp.array([0.0, 3.0])),))
     bench = partly(Bench, coarse=off, task=task)
     lamp = HeaterPower(jnp.asarray([0.2]))
