@@ -74,3 +74,12 @@ def test_a_fit_knows_what_quiet_frames_read() -> None:
         assert case.resting is not None
         assert float(case.resting[row]) == pytest.approx(mean)
     assert len(POINTS) == case.pinned.shape[1] and COLD < HOT
+
+
+def test_a_start_that_was_read_off_quiet_frames_tells_nothing_of_them() -> None:
+    hot = RUNS[1]
+    level = float(np.mean(np.asarray(hot.recording.quiet)))
+    (case,) = objective((RUNS[0], replace(hot, initial_temperature=level))).cases
+    assert np.array_equal(np.isnan(np.asarray(case.resting)), [False, True])
+    wrong = (CameraEmissivity(jnp.asarray([0.2])),)
+    assert np.all(np.asarray(rest_residual((case,), wrong)) == 0)

@@ -22,7 +22,8 @@ def rest_residual(cases: Sequence[Case], additions: tuple[Addition, ...]) -> Flo
     A sample's constant error is taken off by its quiet frames, and with it all that a camera reads
     wrongly of a body at rest. How that differs from run to run tells of the camera: one of another
     scale is as much more wrong as a run begins warmer. What it has in common over runs does not,
-    cameras are off by some kelvins; it is left out, and so are runs without quiet frames.
+    cameras are off by some kelvins; it is left out, and so are runs without quiet frames, or whose
+    start was read off them.
 
     Source: Vollmer and Moellmann, Infrared Thermal Imaging (2018), section 3.2, a known hot start.
     """
@@ -30,8 +31,9 @@ def rest_residual(cases: Sequence[Case], additions: tuple[Addition, ...]) -> Flo
     def one(case: Case) -> tuple[Array, Array]:
         held = case.pinned
         wrong = read_at_rest(case.under, len(held), additions)
-        seen = 0.0 if case.resting is None else case.resting
-        return held @ wrong / jnp.maximum(held.sum(), 1.0) - seen, held.any()
+        seen = jnp.asarray(jnp.nan) if case.resting is None else case.resting
+        known = jnp.isfinite(seen)
+        return held @ wrong / jnp.maximum(held.sum(), 1.0) - jnp.where(known, seen, 0.0), known
 
     pairs = [jax.vmap(one)(case) for case in cases]
     apart, known = (jnp.concatenate(each) for each in zip(*pairs, strict=True))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import final
+from typing import Final, final
 
 import equinox as eqx
 import jax
@@ -18,6 +18,10 @@ from thermo.inverse._reading_errors import ReadingErrors, in_common
 from thermo.observe import Noise, Run, bind, estimate_noise
 from thermo.physics import Discretisation, ReadOut, TimeGrid, between_steps, lengthened
 
+# Quiet frames whose mean is so near the temperature at the start are where that is from [K]:
+# single precision is no worse, and by chance it happens to one recording in fifty.
+_SAME: Final = 2e-5
+
 
 @final
 class Case(eqx.Module):
@@ -30,7 +34,8 @@ class Case(eqx.Module):
     - `pinned`: 1 where a sample's constant error was taken off by its quiet frames, else 0 [1].
     - `defect`: what is added to the simulation for its cells and steps, (frames, samples) [K],
       before effects on the readings; `remainder`: what is added to the readings after that, if any.
-    - `resting`: what those samples read wrongly before the run that are pinned, their mean [K].
+    - `resting`: what those samples read wrongly before the run that are pinned, their mean [K]; NaN
+      where the run is said to start at just what its quiet frames read.
     - `shared`: what they may still make wrong in all readings at once, whitened, (frames, samples)
       [1]; zero where nothing is added.
     - `between`: where frames lie between the steps, the weights of what the grid's own frames
@@ -114,6 +119,16 @@ def pinned(run: Run) -> Float[np.ndarray, " samples"]:
     return np.isfinite(quiet).any(0).astype(float)
 
 
+def _resting(run: Run, error: Float[np.ndarray, " samples"]) -> float:
+    """What samples read wrongly before a run, the mean of those `pinned` [K], as `Case` has it."""
+    known, quiet = pinned(run), run.recording.quiet
+    if quiet is None or not known.any():
+        return float("nan")
+    # A start that was read off these frames, as `thermo register` does, is no measure of them.
+    taken = abs(float(np.nanmean(quiet)) - run.initial_temperature) < _SAME
+    return float("nan") if taken else float(known @ error / known.sum())
+
+
 def make_case(
     run: Run,
     space: Discretisation,
@@ -141,15 +156,15 @@ def make_case(
     readout, _ = bind(recording, space.mesh, where=where)
     frames = np.searchsorted(recording.time, np.asarray(grid.frame_time) - 1e-9)
     noise = estimate_noise(recording)
-    error, known = constant_error(run, noise)[0], pinned(run)
+    error = constant_error(run, noise)[0]
     data = jnp.asarray(recording.temperature[frames] - error)
     errors = reading_errors(run, noise, frames, model_error=model_error)
     used = jnp.asarray(recording.valid[frames], float)
     time = jnp.asarray(grid.frame_time, float)
-    read = (time, data, used, errors, jnp.asarray(1.0, float), jnp.asarray(known))
+    read = (time, data, used, errors, jnp.asarray(1.0, float), jnp.asarray(pinned(run)))
     none = (jnp.zeros(data.shape), jnp.zeros(data.shape))
     under = conditions(run, space)
-    resting = jnp.asarray(float(known @ error / max(known.sum(), 1.0)))
+    resting = jnp.asarray(_resting(run, error))
     if steps is None:
         return Case(under, grid, readout, *read, *none, resting=resting)
     ends = np.asarray(steps.frame_time)
