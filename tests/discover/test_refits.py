@@ -201,6 +201,8 @@ def test_what_its_score_keeps_from_the_best_is_not_fitted() -> None:
         assert could_reach(one, 100.0, rival, placed=True) is placed
         assert could_reach(one, 100.0, rival, placed=False) is plain
     assert could_reach(one, 100.0, np.inf, placed=False), "the first has no rival"
+    assert could_reach(one, 100.0, -30.0, placed=False, far=3.0)
+    assert not could_reach(one, 100.0, -100.0, placed=False, far=3.0)
 
 
 def test_the_search_leaves_what_could_not_reach_the_best(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -249,8 +251,10 @@ def test_where_no_large_score_closes_half_those_behind_are_tried_as_well(
     monkeypatch.setattr(module, "_measured_anew", lambda _, made, __: made)
     table = ScoreTable(scores, [], 3.0, np.eye(8), np.zeros((VALUES, 8)))
     refits(begun, table, (), silent())
-    # A place may bring ten times what a score of 5.9 promises; without one it is five times.
-    assert tried == [f"n{at}" for at in range(6 + last)]
+    # Without a place a score of 5.8 would bring five times what it promises, 84, and not 145: no
+    # bar where no fit explains enough.
+    assert not could_reach(scores[-1], 200.0, 55.0, placed=False)
+    assert tried == [f"n{at}" for at in range(6 + 2 * last)]
 
 
 @pytest.mark.parametrize("known", [True, False])

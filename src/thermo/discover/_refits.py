@@ -23,6 +23,8 @@ _ALL: Final = 0.5
 # What a fit may gain over what its score promises [1]: where there is a place, it moves.
 _MORE: Final = 5.0
 _MORE_WITH_PLACE: Final = 10.0
+# The same over that where no fit explains enough: scores are far from linear then.
+_FAR: Final = 10.0
 # Kinds near the best of which what cells make wrong is measured anew [1].
 _MEASURED: Final = 3
 # Of what the best gains by the criterion, how far behind one may be to be measured anew [1].
@@ -58,7 +60,7 @@ def refits(
     if made and not standing.active and not any(_explains(standing, one.standing) for one in made):
         tried = {one.name() for one in worth}
         rest = [one for one in order if one.name() not in tried]
-        made = _all_put_to_work(standing, rest, made, laws, pace)
+        made = _all_put_to_work(standing, rest, made, laws, pace, far=_FAR)
     return _measured_anew(standing, made, pace) if made else []
 
 
@@ -73,13 +75,17 @@ def _all_put_to_work(
     made: list[Refit],
     laws: tuple[Candidate, ...],
     pace: Pace,
+    far: float = 1.0,
 ) -> list[Refit]:
-    """Refits made already, and those of all scores that could reach the best of them."""
+    """Refits made already, and those of all scores that could reach the best of them.
+
+    `far`: how many times more they may gain than where scores are nearly linear [1].
+    """
     made = list(made)
     for number, score in enumerate(worth, 1):
         rival = min((one.standing.ended.loss() for one in made), default=np.inf)
         placed = standing.first[score.name()].place is not None
-        if not could_reach(score, standing.ended.loss(), rival, placed=placed):
+        if not could_reach(score, standing.ended.loss(), rival, placed=placed, far=far):
             continue
         words = f"refitting {score.name()}, score {score.z:.1f}, {number} of {len(worth)}"
         # One at least is measured anew, and the best of them once more.
@@ -98,12 +104,13 @@ def worth_a_refit(order: list[Score]) -> list[Score]:
     ]
 
 
-def could_reach(score: Score, loss: float, rival: float, *, placed: bool) -> bool:
+def could_reach(score: Score, loss: float, rival: float, *, placed: bool, far: float = 1.0) -> bool:
     """Whether a fit might get from a loss [1] to a rival's, going by its score.
 
-    A score promises z^2 / 2, what a linear model gains by the strength; `placed`: it has a place.
+    A score promises z^2 / 2, what a linear model gains by the strength; `placed`: it has a place;
+    `far`: as for `_all_put_to_work` [1].
     """
-    more = _MORE_WITH_PLACE if placed else _MORE
+    more = far * (_MORE_WITH_PLACE if placed else _MORE)
     return loss - more * score.z**2 / 2 <= rival
 
 
