@@ -224,6 +224,26 @@ def test_the_search_leaves_what_could_not_reach_the_best(monkeypatch: pytest.Mon
     assert names(refits(begun, table, (), silent())) == fitted == ["best", "near"]
 
 
+def test_where_none_closes_half_what_its_score_had_kept_back_is_tried_after_all(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    begun = standing(400.0, 1, smooth=100.0)
+    # One of 8 promises 32: five times that is less than the 170 that the best gains.
+    scores = [replace(refit(f"n{z:g}", 60.0, 2).score, z=z) for z in (20.0, 8.0)]
+    object.__setattr__(begun, "first", {one.name(): SimpleNamespace(place=None) for one in scores})
+    tried: list[str] = []
+
+    def put_to_work(_: object, score: Score, *__: object) -> Refit:
+        tried.append(score.name())
+        return refit(score.name(), 60.0, 2, smooth=60.0)
+
+    monkeypatch.setattr(module, "_put_to_work", put_to_work)
+    monkeypatch.setattr(module, "_measured_anew", lambda _, made, __: made)
+    table = ScoreTable(scores, [], 3.0, np.eye(2), np.zeros((VALUES, 2)))
+    refits(begun, table, (), silent())
+    assert tried == ["n20", "n8"] and not could_reach(scores[1], 200.0, 30.0, placed=False)
+
+
 @pytest.mark.parametrize(
     ("left", "active", "last"),
     [

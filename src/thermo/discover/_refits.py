@@ -58,7 +58,7 @@ def refits(
     worth = worth_a_refit(order)
     made = _all_put_to_work(standing, worth, [], laws, pace)
     if made and not standing.active and not any(_explains(standing, one.standing) for one in made):
-        tried = {one.name() for one in worth}
+        tried = {one.name() for one in made}
         rest = [one for one in order if one.name() not in tried]
         made = _all_put_to_work(standing, rest, made, laws, pace, far=_FAR)
     return _measured_anew(standing, made, pace) if made else []
