@@ -47,7 +47,8 @@ def told_apart(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
     Of the last effect's rivals that explain the fitted runs as well each is predicted there too.
     One that leaves far more than another, or is refuted where another is not, is taken out of the
     set, and where that is the effect at work, the one that leaves least takes its place. Where all
-    are refuted, on smaller cells as well, nothing is named.
+    are refuted, on smaller cells as well, or quiet frames speak against what is at work, nothing is
+    named.
     """
     path, proof = _without_excluded(path, pace)
     if path.word not in ("named", "inseparable"):
