@@ -18,6 +18,7 @@ from standings import standing
 from verdicts import held, one_round
 
 from thermo.discover import Calibration, HeldOut, _told_apart
+from thermo.discover._at_rest import KNOWN
 from thermo.discover._bench import Bench
 from thermo.discover._pace import silent
 from thermo.discover._path import SearchPath
@@ -128,6 +129,17 @@ def test_a_camera_of_another_scale_is_refuted_by_what_it_read_of_a_warm_body_at_
         for some in ((replace(lamp, strength=jnp.zeros(1)),), (lamp,))
     )
     assert wrong_at_rest(before, after) == ""
+
+    # A run without quiet frames is none that could tell: 12 is much for one degree of freedom.
+    three = objective((*runs, run("unseen")))
+    gain = (24.0**0.5) * KNOWN / (HOT - runs[0].initial_temperature)
+    bench = partly(Bench, coarse=three, task=partly(Task, runs=(*runs, run("unseen"))))
+    plain, slight = (
+        replace(standing_at(three, CameraEmissivity(jnp.asarray([one]))), bench=bench)
+        for one in (0.0, gain)
+    )
+    assert chi2.isf(_told_apart._BY_REST, 1) < 12 < chi2.isf(_told_apart._BY_REST, 2)
+    assert "quiet frames of hot" in wrong_at_rest(plain, slight)
 
     there = {"inseparable": words, "named": ""}
     for word, told in there.items():

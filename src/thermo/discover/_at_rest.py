@@ -31,9 +31,9 @@ def rest_residual(cases: Sequence[Case], additions: tuple[Addition, ...]) -> Flo
     def one(case: Case) -> tuple[Array, Array]:
         held = case.pinned
         wrong = read_at_rest(case.under, len(held), additions)
-        seen = jnp.asarray(jnp.nan) if case.resting is None else case.resting
-        known = jnp.isfinite(seen)
-        return held @ wrong / jnp.maximum(held.sum(), 1.0) - jnp.where(known, seen, 0.0), known
+        known = jnp.isfinite(case.resting)
+        seen = jnp.where(known, case.resting, 0.0)
+        return held @ wrong / jnp.maximum(held.sum(), 1.0) - seen, known
 
     pairs = [jax.vmap(one)(case) for case in cases]
     apart, known = (jnp.concatenate(each) for each in zip(*pairs, strict=True))

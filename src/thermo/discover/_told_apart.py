@@ -83,7 +83,8 @@ def wrong_at_rest(begun: Standing, standing: Standing) -> str:
         np.asarray(rest_residual(cases, one.point.candidates)) for one in (begun, standing)
     )
     told = float(after @ after)
-    if chi2.sf(told, len(after) - 1) > _BY_REST or told <= before @ before:
+    known = sum(int(np.isfinite(np.asarray(case.resting)).sum()) for case in cases)
+    if told <= before @ before or chi2.sf(told, known - 1) > _BY_REST:
         return ""
     numbers = standing.bench.coarse.sequence
     high, low = (

@@ -18,8 +18,8 @@ from thermo.inverse._reading_errors import ReadingErrors, in_common
 from thermo.observe import Noise, Run, bind, estimate_noise
 from thermo.physics import Discretisation, ReadOut, TimeGrid, between_steps, lengthened
 
-# Quiet frames whose mean is so near the temperature at the start are where that is from [K]:
-# single precision is no worse, and by chance it happens to one recording in fifty.
+# Quiet frames whose mean is so near the temperature at the start are where that is from [K]: single
+# precision is no worse. By chance it is seldom so, and then they are left out, no more.
 _SAME: Final = 2e-5
 
 
@@ -53,9 +53,9 @@ class Case(eqx.Module):
     pinned: Float[Array, "*runs samples"]
     defect: Float[Array, "*runs frames samples"]
     shared: Float[Array, "*runs frames samples"]
+    resting: Float[Array, "*runs"]
     between: Float[Array, "*runs frames ends"] | None = None
     remainder: Float[Array, "*runs frames samples"] | None = None
-    resting: Float[Array, "*runs"] | None = None
 
     def weight(self) -> Float[Array, "*runs frames samples"]:
         """1 / standard deviation of each reading, zero where there is none [1/K]."""
@@ -166,11 +166,11 @@ def make_case(
     under = conditions(run, space)
     resting = jnp.asarray(_resting(run, error))
     if steps is None:
-        return Case(under, grid, readout, *read, *none, resting=resting)
+        return Case(under, grid, readout, *read, *none, resting)
     ends = np.asarray(steps.frame_time)
     wanted = np.asarray(grid.frame_time)
     between = jnp.asarray(between_steps(ends, np.eye(len(ends)), wanted, run.switches()))
-    return Case(under, steps, readout, *read, *none, between, resting=resting)
+    return Case(under, steps, readout, *read, *none, resting, between)
 
 
 def in_kelvin(case: Case) -> Case:
@@ -225,7 +225,7 @@ def _pad_case(case: Case, steps: int, ends: int, frames: int, samples: int) -> C
         between = jnp.asarray(_pad(_pad(between, frames, 0, edge=False), ends, 1, edge=False))
     time = jnp.asarray(_pad(case.time, frames, 0, edge=True))
     read = (time, jnp.asarray(data), used, errors, case.trust, held, defect, shared)
-    return Case(case.under, grid, readout, *read, between, resting=case.resting)
+    return Case(case.under, grid, readout, *read, case.resting, between)
 
 
 def group_cases(cases: Sequence[Case]) -> list[list[int]]:
