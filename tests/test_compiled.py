@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import jax
@@ -98,6 +100,37 @@ def test_a_program_is_what_its_function_is_and_is_compiled_once() -> None:
     np.testing.assert_array_equal(again, [2, 4, 6])
     assert traced == ["once"]
     assert _compiled.program(double).__name__ == "double"
+
+
+def test_threads_that_need_one_program_at_once_compile_it_once() -> None:
+    traced = []
+
+    def slow(numbers: jax.Array) -> jax.Array:
+        traced.append(len(numbers))
+        time.sleep(0.2)  # as long as another thread needs to come here as well
+        return 2 * numbers
+
+    run = _compiled.program(slow)
+    with ThreadPoolExecutor(4) as pool:
+        done = list(pool.map(run, [jnp.arange(3.0), jnp.ones(3), jnp.arange(4.0), jnp.ones(4)]))
+    np.testing.assert_array_equal(done[0], [0, 2, 4])
+    np.testing.assert_array_equal(done[3], [2, 2, 2, 2])
+    assert sorted(traced) == [3, 4]
+
+
+def test_a_program_that_failed_is_tried_again() -> None:
+    calls = []
+
+    def fails_once(numbers: jax.Array) -> jax.Array:
+        calls.append(True)
+        if len(calls) == 1:
+            raise ValueError("not yet")
+        return numbers
+
+    run = _compiled.program(fails_once)
+    with pytest.raises(ValueError, match="not yet"):
+        run(jnp.zeros(2))
+    np.testing.assert_array_equal(run(jnp.zeros(2)), [0, 0])
 
 
 def test_where_the_compiler_knows_no_such_option_it_does_without(

@@ -6,7 +6,8 @@ import functools
 import hashlib
 import os
 import platform
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Hashable
 from pathlib import Path
 from typing import Any, Final, ParamSpec, TypeVar, cast
 
@@ -73,7 +74,7 @@ def _options() -> dict[str, Any]:
 
 
 def program(function: Callable[Taken, Given]) -> Callable[Taken, Given]:
-    """The function as `equinox.filter_jit` compiles it, only sooner.
+    """The function as `equinox.filter_jit` compiles it, only sooner, and once for all threads.
 
     Not to be called while another program is traced: options are those of a whole program.
     """
@@ -86,9 +87,39 @@ def program(function: Callable[Taken, Given]) -> Callable[Taken, Given]:
 
     @functools.wraps(function)
     def run(*args: Taken.args, **kwargs: Taken.kwargs) -> Given:
-        return made()(*args, **kwargs)
+        key = (function, *_kind((args, kwargs)))
+        with _giving_turns:
+            compiles, turn = made(), _turns.setdefault(key, _Turn())
+        if turn.compiled:
+            return compiles(*args, **kwargs)
+        with turn.lock:
+            given = compiles(*args, **kwargs)
+            turn.compiled = True
+        return given
 
     return run
+
+
+class _Turn:
+    """A program that a thread compiles, for which others that need the same one wait.
+
+    JAX lets each of them compile it: two runs of one shape, side by side, took twice as long.
+    """
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.compiled = False
+
+
+_turns: dict[Hashable, _Turn] = {}
+_giving_turns = threading.Lock()
+
+
+def _kind(taken: Any) -> tuple[Hashable, ...]:
+    """What tells programs of one function apart: shapes of arrays, and all that is no array."""
+    leaves, tree = jax.tree.flatten(taken)
+    kinds = [(leaf.shape, leaf.dtype) if eqx.is_array(leaf) else leaf for leaf in leaves]
+    return tree, *kinds
 
 
 MOST_MAPS = 0.5
@@ -111,3 +142,4 @@ def make_room() -> None:
         return
     if used > MOST_MAPS * limit:
         jax.clear_caches()
+        _turns.clear()
