@@ -45,6 +45,7 @@ class Card:
     - `excited_by`, `hides_behind`, `split_by`: in words.
     - `smallest`: of a place over its first size [1].
     - `alike`: in words, what no candidate stands for and reads as a positive strength does.
+    - `means`: in words, what the strength is; none where name and unit say so.
     """
 
     name: str
@@ -60,6 +61,7 @@ class Card:
     fault: bool = False
     smallest: float = 0.25
     alike: str = ""
+    means: str = ""
 
 
 @final

@@ -200,6 +200,7 @@ def _candidacy(one: Candidacy) -> dict[str, Any]:
         "left": one.left,
         "correlation": one.correlation,
         "bic": one.bic,
+        "means": one.card.means,
         "excited_by": one.card.excited_by,
         "hides_behind": one.card.hides_behind,
         "split_by": one.card.split_by,
@@ -260,9 +261,10 @@ def _named(effect: Effect) -> str:
         whole = f", {effect.conductance:.3g} W/K {ends} in all"
     known = effect.card.alike and effect.strength > 0
     alike = f" It may as well be {effect.card.alike}." if known else ""
+    means = f" Its strength: {effect.card.means}." if effect.card.means else ""
     return (
         f"Missing effect: {_spoken(effect.card.name)}, {effect.strength:.4g}{unit} "
-        f"[{low:.4g}, {high:.4g}]{place}{whole}.{alike}"
+        f"[{low:.4g}, {high:.4g}]{place}{whole}.{means}{alike}"
     )
 
 

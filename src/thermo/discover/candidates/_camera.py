@@ -27,6 +27,7 @@ class SensorLag(AbstractReadingCandidate):
         excited_by="fast changes",
         hides_behind="a lamp that warms up slowly, long time steps",
         split_by="a run in which a shutter opens at a known time",
+        means="time constant of the sensor",
     )  # fmt: skip
     strength: Float[Array, " parts"]
     place: Place | None = None
@@ -66,6 +67,7 @@ class ClockOffset(AbstractReadingCandidate):
         excited_by="fast changes",
         hides_behind="a slow sensor, a lamp that warms up slowly",
         split_by="a run in which a shutter opens at a known time",
+        means="how much later frames are than their stamps",
     )  # fmt: skip
     strength: Float[Array, " parts"]
     place: Place | None = None
@@ -93,6 +95,7 @@ class CameraEmissivity(AbstractReadingCandidate):
         excited_by="a temperature that is known otherwise",
         hides_behind="the lamp's power, where the body starts at the reflected temperature",
         split_by="a patch of known emissivity, or a known hot start",
+        means="share by which is read more above the reflected temperature",
     )  # fmt: skip
     strength: Float[Array, " parts"]
     place: Place | None = None
@@ -122,6 +125,7 @@ class CameraDrift(AbstractReadingCandidate):
         hides_behind="a source as wide as the body, surroundings that drift",
         split_by="a body of known temperature in view",
         fault=True,
+        means="how much more is read with each second",
     )  # fmt: skip
     strength: Float[Array, " parts"]
     place: Place | None = None

@@ -39,6 +39,7 @@ class HiddenSource(AbstractHeatCandidate):
         excited_by="any run, best without a lamp",
         hides_behind="contact, the lamp's power",
         split_by="a run without a lamp that starts as warm as the surroundings",
+        means="heat released inside",
     )  # fmt: skip
     strength: Float[Array, " parts"]
     place: Place
@@ -61,6 +62,7 @@ class HeaterPower(AbstractHeatCandidate):
         excited_by="lamps",
         hides_behind="the capacity, the camera's scale",
         split_by="a run with a heater of known power",
+        means="share by which the lamps are stronger",
     )  # fmt: skip
     strength: Float[Array, " parts"]
     place: Place | None = None
@@ -86,6 +88,7 @@ class HeaterLag(AbstractHeatCandidate):
         excited_by="lamps that are switched",
         hides_behind="a slow sensor, a clock that is off",
         split_by="the lamp's light logged",
+        means="time constant of lamps that warm up and cool down, beyond the stated one",
     )  # fmt: skip
     strength: Float[Array, " parts"]
     pulse: Float[Array, ""] = eqx.field(kw_only=True)
@@ -116,6 +119,7 @@ class InDepthAbsorption(AbstractHeatCandidate):
         excited_by="lamps on poor conductors",
         hides_behind="a conductivity that changes with temperature",
         split_by="a run with the surface blackened",
+        means="share of the lamps' light that is absorbed below the surface",
     )  # fmt: skip
     strength: Float[Array, " parts"]
     place: Place

@@ -43,6 +43,7 @@ class TemperatureDependentConductivity(AbstractHeatCandidate):
         hides_behind="conductivity that depends on the direction, cells that are too large",
         split_by="the same heating at another power",
         law=True,
+        means="share by which the conductivity grows for each kelvin above 293.15 K",
     )  # fmt: skip
     strength: Float[Array, " parts"]
     place: Place | None = None
@@ -63,6 +64,7 @@ class TemperatureDependentHeatCapacity(AbstractHeatCandidate):
         hides_behind="radiation, the camera's scale",
         split_by="the same heating at another power",
         law=True,
+        means="share by which the capacity grows for each kelvin above 293.15 K",
     )  # fmt: skip
     strength: Float[Array, " parts"]
     place: Place | None = None
@@ -90,6 +92,7 @@ class LatentHeat(AbstractHeatCandidate):
         hides_behind="a capacity that changes with temperature, radiation, a slow sensor",
         split_by="a run that stays below the transition and one that stays above it",
         law=True,
+        means="heat taken up over a range of temperature",
     )  # fmt: skip
     strength: Float[Array, " parts"]
     place: Transition
@@ -112,6 +115,7 @@ class AnisotropicConductivity(AbstractHeatCandidate):
         excited_by="heat that flows along several axes",
         hides_behind="conductivity that changes with temperature, cells that are too large",
         split_by="another face heated",
+        means="share by which it conducts better along one axis",
     )  # fmt: skip
     strength: Float[Array, " parts"]
     place: Place | None = None
@@ -144,6 +148,7 @@ class Void(AbstractHeatCandidate):
         excited_by="heat that flows through the place",
         hides_behind="a conductivity that varies",
         split_by="heat from the other side",
+        means="share of the conductivity that is lost inside it",
     )  # fmt: skip
     strength: Float[Array, " parts"]
     place: Inclusion

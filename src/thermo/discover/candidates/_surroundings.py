@@ -40,6 +40,7 @@ class MissingRadiation(AbstractHeatCandidate):
         excited_by="surface temperatures over a wide range",
         hides_behind="convection, a drift of the surroundings, evaporation",
         split_by="a second power, vacuum, a tape of low emissivity",
+        means="emissivity beyond what is stated",
     )  # fmt: skip
     strength: Float[Array, " parts"]
     place: Place | None = None
@@ -59,6 +60,7 @@ class LocalConvection(AbstractHeatCandidate):
         hides_behind="contact at the same patch",
         split_by="a fan that is turned off, the body turned round",
         alike="a support under that place",
+        means="convection beyond what is stated, in the middle of a patch that fades as a bell",
     )  # fmt: skip
     strength: Float[Array, " parts"]
     place: Place
@@ -88,6 +90,7 @@ class SupportContact(AbstractHeatCandidate):
         hides_behind="convection that is stronger there, a source",
         split_by="a support that is moved or insulated",
         smallest=1e-3,
+        means="heat to the support for each kelvin and area",
     )  # fmt: skip
     strength: Float[Array, " parts"]
     place: Place
@@ -143,6 +146,7 @@ class BackingConduction(AbstractHeatCandidate):
         excited_by="long runs",
         hides_behind="contact with a support, convection",
         split_by="a run with another backing",
+        means="effusivity of the body behind, for heat that enters as after a step in temperature",
     )  # fmt: skip
     strength: Float[Array, " parts"]
     place: Place | None = None
@@ -172,6 +176,7 @@ class AmbientDrift(AbstractHeatCandidate):
         split_by="the surroundings logged; a repeat in reverse order",
         alike="air and walls that warm together, by less",
         joint=True,
+        means="how much warmer the air is at the end",
     )  # fmt: skip
     strength: Float[Array, " parts"]
     duration: Float[Array, ""] = eqx.field(kw_only=True)
@@ -251,6 +256,7 @@ class Evaporation(AbstractHeatCandidate):
         excited_by="a wet start, a warm skin",
         hides_behind="the camera's scale, radiation, convection",
         split_by="a dry or sealed repeat",
+        means="heat for each area and pascal of vapour pressure, into air half saturated",
     )  # fmt: skip
     strength: Float[Array, " parts"]
     place: Place | None = None
