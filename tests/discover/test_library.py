@@ -33,6 +33,7 @@ def test_every_candidate_is_absent_and_has_a_name_of_its_own() -> None:
     assert all(not np.any(np.asarray(one.strength)) for one in found)
     for one in found:
         assert one.card.low <= 0 < one.card.typical <= one.card.high
+        assert one.card.means and one.card.excited_by and one.card.split_by
         if isinstance(one.place, Transition):
             assert np.asarray(one.place.centre) == pytest.approx([295, 305, 315, 325, 335, 345])
         elif one.place is not None and one.place.centre is not None:
