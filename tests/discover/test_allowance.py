@@ -19,7 +19,8 @@ def one_run() -> Block:
     points = np.random.default_rng(0).uniform(0, 0.02, (SAMPLES, 3))
     part, share = slice(0, FRAMES * SAMPLES), 1 - 1 / np.sqrt(1 + SPREAD)
     return Block(
-        "run", part, (FRAMES, SAMPLES), time_modes(FRAMES), space_modes(points), share, 1.05
+        "run", part, (FRAMES, SAMPLES), time_modes(FRAMES), space_modes(points), share, 1.05,
+        FRAMES * SAMPLES,
     )  # fmt: skip
 
 

@@ -28,7 +28,7 @@ def made(*, alpha: float, shapes: float) -> Calibration:
     signatures = 4 * random.standard_normal((VALUES, 5))
     along = np.linalg.qr(random.standard_normal((FRAMES, 4)))[0]
     across = np.linalg.qr(random.standard_normal((SAMPLES, 5)))[0]
-    run = Block("lamp", slice(0, VALUES), (FRAMES, SAMPLES), along, across, 0.0, 1.05)
+    run = Block("lamp", slice(0, VALUES), (FRAMES, SAMPLES), along, across, 0.0, 1.05, VALUES)
     table = score_table(FOUND, signatures, np.zeros(VALUES), free, alpha=alpha)
     return calibration(table, free, [run], shapes=shapes)
 

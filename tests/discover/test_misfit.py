@@ -20,7 +20,8 @@ def blocks() -> list[Block]:
         count = FRAMES * SAMPLES
         part = slice(number * count, (number + 1) * count)
         modes = time_modes(FRAMES), space_modes(points)
-        found.append(Block(name, part, (FRAMES, SAMPLES), *modes, 0.0, 1.05))
+        read = count - 5 * SAMPLES * number
+        found.append(Block(name, part, (FRAMES, SAMPLES), *modes, 0.0, 1.05, read))
     return found
 
 

@@ -37,6 +37,7 @@ def block(name: str, begin: int, frames: int, samples: int, spread: float) -> Bl
         space_modes(points),
         1 - 1 / np.sqrt(1 + spread),
         1.05,
+        frames * samples,
     )
 
 
@@ -147,6 +148,11 @@ def test_blocks_are_the_runs_as_they_stand_in_the_residual(real: Objective, task
         across = one.in_space[:samples]
         np.testing.assert_allclose(across.T @ across, np.eye(samples), atol=1e-10)
         assert np.all(one.in_space[samples:] == 0), "samples that were filled up"
+        frames = len(RUNS[real.sequence[row]].recording.time)
+        along = one.in_time[:frames]
+        np.testing.assert_allclose(along.T @ along, np.eye(along.shape[1]), atol=1e-10)
+        assert np.all(one.in_time[frames:] == 0), "frames that were filled up"
+        assert one.readings == np.count_nonzero(used)
         wrong = (DEFECT_LEFT * apart[row]) ** 2 + task.model_error**2
         energy = (weight**2 * used * wrong).sum()
         spread = energy / (one.in_time.shape[1] * one.in_space.shape[1])

@@ -22,7 +22,7 @@ def standing(
 ) -> Standing:
     """One that leaves a residual of this sum of squares, and this variance of smooth shapes."""
     across, along = np.eye(SAMPLES)[:, :1], np.eye(FRAMES)[:, :1]
-    block = Block("run", slice(0, VALUES), (FRAMES, SAMPLES), along, across, 0.0, 1.05)
+    block = Block("run", slice(0, VALUES), (FRAMES, SAMPLES), along, across, 0.0, 1.05, VALUES)
     residual = np.full(VALUES, np.sqrt((left - smooth) / (VALUES - 1)))
     residual[0] = np.sqrt(smooth)
     made = object.__new__(Standing)

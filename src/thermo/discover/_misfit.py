@@ -42,10 +42,10 @@ def misfits(runs: list[Block], residual: Float[np.ndarray, " values"]) -> dict[s
 def _misfit(block: Block, residual: Float[np.ndarray, " values"]) -> Misfit:
     smooth = block.coefficients(residual) ** 2
     own = residual[block.part]
-    # The first shape in time is constant. Readings that are left out are exactly zero.
+    # The first shape in time is constant.
     steady, changing = float(smooth[0].sum()), float(smooth[1:].sum())
     return Misfit(
         Part(steady, smooth[0].size),
         Part(changing, smooth[1:].size),
-        Part(float(own @ own) - steady - changing, int(np.count_nonzero(own)) - smooth.size),
+        Part(float(own @ own) - steady - changing, block.readings - smooth.size),
     )

@@ -33,6 +33,7 @@ class Block:
     - `in_time` (frames, modes), `in_space` (samples, modes): smooth shapes [1].
     - `share`: of a smooth shape that is taken off, in units of its noise [1].
     - `level`: how many times as large as estimated the noise's variance may be [1].
+    - `readings`: how many values were read, not left out and not beyond the run's end [1].
     """
 
     name: str
@@ -42,6 +43,7 @@ class Block:
     in_space: Float[np.ndarray, "samples space"]
     share: float
     level: float
+    readings: int
 
     def coefficients(self, values: Float[np.ndarray, " values"]) -> Float[np.ndarray, "time space"]:
         """Of whitened values [1], those of the smooth shapes."""
@@ -60,24 +62,35 @@ def blocks(objective: Objective, task: Task, left: Apart) -> list[Block]:
     """
     found, begin, order = [], 0, iter(objective.sequence)
     for case, group in zip(objective.cases, left, strict=True):
-        for used, weight, apart in zip(
-            np.asarray(case.used), np.asarray(case.weight()), np.asarray(group), strict=True
-        ):
+        for used, weight, apart, when in zip(
+            np.asarray(case.used), np.asarray(case.weight()), np.asarray(group),
+            np.asarray(case.time), strict=True,
+        ):  # fmt: skip
             run = task.runs[next(order)]
             points = run.recording.points
             modes = space_modes(points)
             across = np.zeros((used.shape[1], modes.shape[1]))
             across[: len(points)] = modes
-            along = time_modes(len(used))
+            # Beyond its end, where longer runs beside it go on, nothing is smooth: shapes that
+            # reached there would hold less of its noise than their number says.
+            own = time_modes(_own_frames(when))
+            along = np.zeros((len(used), own.shape[1]))
+            along[: len(own)] = own
             wrong = (DEFECT_LEFT * apart) ** 2 + task.model_error**2
             energy = float(np.sum(weight**2 * used * wrong))
             spread = energy / (along.shape[1] * across.shape[1])
             share = 1 - 1 / np.sqrt(1 + spread)
             part = slice(begin, begin + used.size)
             level = 1 + _SURE * variance_error(run.recording)
-            found.append(Block(run.name, part, used.shape, along, across, share, level))
+            read = int(np.count_nonzero(used))
+            found.append(Block(run.name, part, used.shape, along, across, share, level, read))
             begin += used.size
     return found
+
+
+def _own_frames(when: Float[np.ndarray, " frames"]) -> int:
+    """Of times [s], how many are a run's own [1]: those that it lacks repeat its last one."""
+    return len(np.unique(when))
 
 
 def softened(
@@ -131,8 +144,7 @@ def stamp_columns(
     for case, group in zip(objective.cases, read, strict=True):
         rows = []
         for when, one in zip(np.asarray(case.time), np.asarray(group), strict=True):
-            # Frames that a shorter run lacks repeat its last one.
-            own = slice(len(np.unique(when)))
+            own = slice(_own_frames(when))
             apart = np.zeros_like(one)
             apart[own] = np.gradient(one[own], when[own], axis=0)
             rows.append(STAMP * np.median(np.diff(when[own])) * apart)
