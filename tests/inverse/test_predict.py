@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import equinox as eqx
 import numpy as np
 import pytest
 from box_scene import FRAMES, edit, temperatures
@@ -163,6 +164,21 @@ def test_a_simulation_is_a_prediction_with_uniform_values(
     assert found.scores["stated"] == score(found.temperature, found.measured)
     assert found.cells is None, "a prediction alone measures that"
     assert found.scores["stated"].rmse > 0.5, "three times the true conductivity"
+
+
+def test_a_simulation_that_leaves_what_temperatures_there_are_is_refused(
+    scene: Scene, quadratic: Meshing
+) -> None:
+    run = scene.runs["test_lamp"]
+    lamp = run.heater
+    assert lamp is not None
+    # Kilowatts for a square metre, taken to be watts: no step can follow what that radiates.
+    strong = replace(run, heater=eqx.tree_at(lambda one: one.power, lamp, 1e9))
+    changed = replace(scene, runs=scene.runs | {"test_lamp": strong}, emissivity=0.9)
+    with pytest.raises(InputError, match="temperatures that there cannot be") as caught:
+        simulate(changed, "test_lamp", values=START, meshing=quadratic)
+    assert caught.value.where.endswith("runs.test_lamp")
+    assert "1e+09 W" in caught.value.remedy
 
 
 def test_diffusivity_and_a_scene_that_states_it_say_the_same(

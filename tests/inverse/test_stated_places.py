@@ -91,6 +91,32 @@ def lamp(run: Run, **changes: Any) -> Heater:
     return Heater(**{**{name: getattr(run.heater, name) for name in parts}, **changes})
 
 
+def test_a_lamp_that_shines_away_from_the_object_is_refused(
+    scene: Scene, surface: Surface
+) -> None:
+    run = scene.runs["lamp"]
+    assert run.heater is not None
+    way = run.heater.direction
+    far = float(np.max(surface.vertices @ way))
+    # Its centre on the side that is lit, within, on the far side, and beyond that.
+    for along in (float(np.min(surface.vertices @ way)), far - 1e-3, far):
+        check_places(with_run(scene, heater=lamp(run, centre=_at(surface, way, along))), surface)
+    beyond = lamp(run, centre=_at(surface, way, far + 1e-3))
+    with pytest.raises(InputError, match="shines away from the object") as caught:
+        check_places(with_run(scene, heater=beyond), surface)
+    assert caught.value.where.endswith("runs.lamp.heater.direction")
+    assert "0.001 m behind" in str(caught.value.value)
+    turned = lamp(run, centre=_at(surface, way, far - 1.0), direction=-way)
+    with pytest.raises(InputError, match="shines away from the object"):
+        check_places(with_run(scene, heater=turned), surface)
+
+
+def _at(surface: Surface, way: np.ndarray, along: float) -> np.ndarray:
+    """A point [m] on a line through the object's middle, by how far along `way` it is."""
+    middle = (surface.vertices.min(0) + surface.vertices.max(0)) / 2
+    return middle + (along - middle @ way) * way
+
+
 def test_a_wide_lamp_whose_axis_passes_far_away_is_refused(scene: Scene, surface: Surface) -> None:
     # Millimetres for metres: a spot as wide as that would light the object evenly.
     run, size = scene.runs["lamp"], surface.diagonal()

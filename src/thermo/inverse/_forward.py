@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from thermo.errors import InputError
 from thermo.inverse._addition import Addition, extend, read_as
 from thermo.inverse._body import of_order
 from thermo.inverse._case import pinned
@@ -106,12 +107,14 @@ def forward(
     - `steps`: [s], a frame after each; `where`: the recording's name in messages.
     - `additions`: effects beside the stated ones.
 
-    Raises `InputError` where samples lie away from the surface.
+    Raises `InputError` where samples lie away from the surface, and where what is stated leads to
+    temperatures that there cannot be.
     """
     space = discretise(of_order(mesh, order))
     readout, _ = bind(run.recording, space.mesh, where=where)
     wide = _with_corners(readout, space, mesh)
     results = _each(space, run, bodies, steps, wide, additions)
+    _check_temperatures(results, run, where.removesuffix(".recording"))
     recording = run.recording
     measured = np.where(recording.valid, recording.temperature, np.nan)
     samples = len(recording.points)
@@ -129,6 +132,20 @@ def forward(
         nodal_time=recording.time[moments],
         nodal=first[moments, samples:],
     )
+
+
+def _check_temperatures(
+    results: dict[str, Float[np.ndarray, "frames samples"]], run: Run, where: str
+) -> None:
+    for found in results.values():
+        low, high = np.min(found), np.max(found)
+        if not (low > 0 and np.isfinite(high)):
+            lamp = "" if run.heater is None else f", its lamp of {run.heater.power:g} W"
+            raise InputError(
+                "what is stated leads to temperatures that there cannot be", where=where,
+                value=f"{low:.3g} to {high:.3g} K", limit="above 0 K",
+                remedy=f"check the units of this run{lamp}, and of the material: they are SI",
+            )  # fmt: skip
 
 
 def temperatures(

@@ -78,7 +78,8 @@ def misses(what: str, where: str, box: Box, points: Float[np.ndarray, "points 3"
 
 
 def _check_lamp(heater: Heater, surface: Surface, where: str) -> None:
-    """Refuse a lamp whose axis passes far away: wide enough, it would light a body all the same."""
+    """Refuse a lamp whose axis passes far away, which lights a body all the same if it is wide, and
+    one that shines away from the object: its far side would be lit."""
     middle = (surface.vertices.min(0) + surface.vertices.max(0)) / 2
     away = float(np.linalg.norm(np.cross(middle - heater.centre, heater.direction)))
     size = surface.diagonal()
@@ -90,4 +91,14 @@ def _check_lamp(heater: Heater, surface: Surface, where: str) -> None:
             limit=f"{_PASSES:g} times the object's diagonal, {_PASSES * size:.3g} m",
             remedy="give centre and radius in metres; for even light, let a wide spot's axis pass "
             "through the object",
+        )
+    before = float(np.max((surface.vertices - heater.centre) @ heater.direction))
+    if before < -SLACK * size:
+        raise InputError(
+            "the lamp shines away from the object",
+            where=f"{where}.direction",
+            value=f"{heater.direction.tolist()}, the object's nearest point {-before:.3g} m behind "
+            f"the centre {heater.centre.tolist()} m",
+            limit="an object that does not lie wholly behind the lamp's centre",
+            remedy="give the way the light goes, from the lamp to the object",
         )

@@ -35,8 +35,8 @@ class Heater(eqx.Module):
     - `course`: shares of the power that were logged, or None where it was constant.
     - `where`: what messages call this heater.
 
-    Raises `InputError` for anything that is not finite, a zero direction, a radius or power that
-    is not positive, negative times, and a course that begins when the lamp is off.
+    Raises `InputError` for anything that is not finite, a zero direction, a radius, power or
+    `until` that is not positive, a negative `rise`, and a course that begins when the lamp is off.
     """
 
     centre: Float[np.ndarray, "3"]
@@ -72,8 +72,8 @@ class Heater(eqx.Module):
             remedy='give the absorbed power in watts; without a lamp write "heater": null',
         )  # fmt: skip
         self.until = check_number(
-            until, where=f"{where}.until", quantity="time when the lamp goes off [s]", least=0.0,
-            remedy="give seconds after the start of the run",
+            until, where=f"{where}.until", quantity="time when the lamp goes off [s]", above=0.0,
+            remedy='give seconds after the start of the run; without a lamp write "heater": null',
         )  # fmt: skip
         self.rise = check_number(
             rise, where=f"{where}.rise", quantity="time constant of the lamp [s]", least=0.0,
