@@ -91,9 +91,7 @@ def lamp(run: Run, **changes: Any) -> Heater:
     return Heater(**{**{name: getattr(run.heater, name) for name in parts}, **changes})
 
 
-def test_a_lamp_that_shines_away_from_the_object_is_refused(
-    scene: Scene, surface: Surface
-) -> None:
+def test_a_lamp_that_shines_away_from_the_object_is_refused(scene: Scene, surface: Surface) -> None:
     run = scene.runs["lamp"]
     assert run.heater is not None
     way = run.heater.direction

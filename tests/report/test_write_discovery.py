@@ -15,7 +15,7 @@ from thermo.report import discovery_record, discovery_table, write_discovery
 
 WORDS = {
     "named": "Missing effect: hidden source, 1.25 W [1.211, 1.289], at (10.0, 0.0, 4.0) mm. "
-    "Its strength: heat released inside.",
+    "Its strength: heat released inside, taken up where it is negative.",
     "inseparable": "Cannot tell hidden source from sensor lag. What would: a run without a lamp",
     "none_of_mine": "explains it; the closest is hidden source, which closes 40 % of it. What was "
     "fitted, conductivity, bends to it, and is no measurement.",

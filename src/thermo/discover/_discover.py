@@ -22,6 +22,7 @@ from thermo.discover._bench import (
     usual_errors,
 )
 from thermo.discover._candidate import Candidate
+from thermo.discover._cautions import cautions
 from thermo.discover._descent import Ended
 from thermo.discover._library import Setting, library, setting_of
 from thermo.discover._memory import memory_of
@@ -122,6 +123,8 @@ def _answer(path: SearchPath, proof: Mapping[str, HeldOut], left: Apart, seconds
     begun = path.begun
     last = path.standing if path.word in ("named", "inseparable") else begun
     named = {one.effect.card.name for one in path.rounds}
+    found = path.rounds if path.word in ("named", "inseparable") else []
+    told = cautions(found, begun.bench.task.runs, proof, path.standing.chance())
     return Verdict(
         verdict=path.word,
         rounds=path.rounds,
@@ -140,7 +143,7 @@ def _answer(path: SearchPath, proof: Mapping[str, HeldOut], left: Apart, seconds
         stated=estimate_of(begun, seconds),
         extended=estimate_of(last, seconds),
         additions=at_work(last),
-        remarks=path.remarks + ([] if proof else [_UNPROVED]),
+        remarks=path.remarks + told + ([] if proof else [_UNPROVED]),
     )
 
 

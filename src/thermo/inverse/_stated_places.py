@@ -78,8 +78,10 @@ def misses(what: str, where: str, box: Box, points: Float[np.ndarray, "points 3"
 
 
 def _check_lamp(heater: Heater, surface: Surface, where: str) -> None:
-    """Refuse a lamp whose axis passes far away, which lights a body all the same if it is wide, and
-    one that shines away from the object: its far side would be lit."""
+    """Refuse a lamp whose axis passes far away, or that shines away from the object.
+
+    A wide one would light it all the same, and one that is turned round its far side.
+    """
     middle = (surface.vertices.min(0) + surface.vertices.max(0)) / 2
     away = float(np.linalg.norm(np.cross(middle - heater.centre, heater.direction)))
     size = surface.diagonal()

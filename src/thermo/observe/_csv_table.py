@@ -164,7 +164,8 @@ def split_unit(file: Path, text: str, units: Units) -> tuple[str, str]:
             raise InputError(
                 "unknown unit in the header", where=str(file), value=text,
                 limit="; ".join(", ".join(kind) for kind in (TIME, LENGTH, TEMPERATURE)),
-                remedy="convert the column to one of these units",
+                remedy="convert the column to one of these units, or remove it where it is "
+                "neither a time, a place nor a temperature",
             )  # fmt: skip
         return text, ""
     name, _, unit = text.rpartition("_")

@@ -119,7 +119,8 @@ def _draw(
     v = (x * ac[triangle, 1] - y * ac[triangle, 0]) / area[triangle]
     w = (y * ab[triangle, 0] - x * ab[triangle, 1]) / area[triangle]
     inside = (v >= -1e-9) & (w >= -1e-9) & (v + w <= 1 + 1e-9)
-    triangle, column, row, v, w = (q[inside] for q in (triangle, column, row, v, w))
+    triangle, column, row = triangle[inside], column[inside], row[inside]
+    v, w = v[inside], w[inside]
     weights = np.stack([1 - v - w, v, w], axis=1)
     depth = np.einsum("pi,pi->p", weights, corners[triangle, :, 2])
     # Written in the order of depth, the nearest stays.

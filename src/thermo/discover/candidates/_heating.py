@@ -39,7 +39,7 @@ class HiddenSource(AbstractHeatCandidate):
         excited_by="any run, best without a lamp",
         hides_behind="contact, the lamp's power",
         split_by="a run without a lamp that starts as warm as the surroundings",
-        means="heat released inside",
+        means="heat released inside, taken up where it is negative",
     )  # fmt: skip
     strength: Float[Array, " parts"]
     place: Place

@@ -1,0 +1,83 @@
+"""What to say beside effects that were found, which their names alone do not tell."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+import numpy as np
+
+from thermo.discover._verdict import HeldOut, Round
+from thermo.observe import Run
+
+_FACING: Final = 0.1
+"""The least light on a side that counts, as a share of what one right across takes [1]."""
+
+_LEFT: Final = 2.0
+"""Times its noise [1] from which what is left of a run that was not fitted is worth words."""
+
+_CHANCE: Final = 0.01
+"""Of noise leaving as much in smooth shapes, below which more than noise is left [1]."""
+
+
+def cautions(
+    rounds: Sequence[Round], runs: Sequence[Run], proof: Mapping[str, HeldOut], chance: float
+) -> list[str]:
+    """Sentences about effects at work.
+
+    Arguments:
+
+    - `rounds`: what was found; `runs`: those that were fitted.
+    - `proof`: what runs that were not fitted say; `chance` of noise leaving as much [1].
+    """
+    sides = [_lit(one, runs) for one in rounds]
+    signs = [_unsigned(one) for one in rounds]
+    tests = [_hardly_tested(name, one) for name, one in proof.items()]
+    left = [_LEFT_OVER] if chance < _CHANCE else []
+    return [*filter(None, (*sides, *signs, *tests)), *left]
+
+
+_LEFT_OVER: Final = (
+    "More than noise is left: what could have been missed is told for noise alone, and may be more."
+)
+
+
+def _lit(one: Round, runs: Sequence[Run]) -> str:
+    """A side that a lamp lights is no place for what lies against a body."""
+    side = one.effect.side
+    if side is None:
+        return ""
+    normal = np.zeros(3)
+    normal["xyz".index(side[1])] = 1.0 if side[0] == "+" else -1.0
+    lit = [
+        run.name
+        for run in runs
+        if run.heater is not None and -float(run.heater.direction @ normal) > _FACING
+    ]
+    if not lit:
+        return ""
+    name = one.effect.card.name.replace("_", " ")
+    return (
+        f"In {', '.join(lit)} a lamp lights the side {side}. If nothing lies against it, {name} "
+        "stands for what reads alike: another loss there, or power that is not taken up."
+    )
+
+
+def _unsigned(one: Round) -> str:
+    low, high = one.effect.interval95
+    if not low < 0 < high:
+        return ""
+    name = one.effect.card.name.replace("_", " ")
+    return (
+        f"The strength of {name} alone is not known, nor its sign: it depends on where it is. "
+        "That something is missing is."
+    )
+
+
+def _hardly_tested(name: str, one: HeldOut) -> str:
+    if one.interval95 is not None or one.rms_after <= _LEFT * one.noise:
+        return ""
+    return (
+        f"{name} has too few samples to say what share is closed, and counts as proof where the "
+        f"difference does not grow; {one.rms_after / one.noise:.2g} times its noise is left there."
+    )
