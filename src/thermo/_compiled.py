@@ -9,7 +9,7 @@ import platform
 import threading
 from collections.abc import Callable, Hashable
 from pathlib import Path
-from typing import Any, Final, ParamSpec, TypeVar, cast
+from typing import Any, Final, ParamSpec, TypeVar, cast, final
 
 import equinox as eqx
 import jax
@@ -100,6 +100,7 @@ def program(function: Callable[Taken, Given]) -> Callable[Taken, Given]:
     return run
 
 
+@final
 class _Turn:
     """A program that a thread compiles, for which others that need the same one wait.
 

@@ -32,7 +32,7 @@ def test_what_lies_against_a_lit_side_is_doubted(side: str | None, count: int) -
     told = cautions([at(side)], RUNS, {}, 0.5)
     assert len(told) == count
     if count:
-        assert "In lamp a lamp lights the side" in told[0] and "support contact" in told[0]
+        assert "Under the lamp of lamp the side" in told[0] and "support contact" in told[0]
 
 
 @pytest.mark.parametrize(

@@ -35,6 +35,22 @@ def test_an_unknown_run_is_named_with_those_there_are(scene: Scene) -> None:
     assert "runs=[" in caught.value.remedy and str(scene.folder) in caught.value.where
 
 
+def test_a_run_to_fit_is_meant_rather_than_one_that_is_held_out(scene: Scene) -> None:
+    lamp = scene.runs["lamp"]
+    flux = {f"flux_{n}": replace(lamp, name=f"flux_{n}", held_out=n == "30_R2") for n in FLUXES}
+    for held_out, wrong, near in [
+        (False, "flux_30_R3", "flux_30_R1"),
+        (False, "flux_50_R2", "flux_50_R1"),
+        (True, "flux_30_R2x", "flux_30_R2"),
+    ]:
+        with pytest.raises(InputError, match="unknown run") as caught:
+            select_runs(replace(scene, runs=flux), (wrong,), held_out=held_out)
+        assert f"did you mean {near}?" in caught.value.remedy
+
+
+FLUXES = ("30_R2", "30_R1", "50_R1")
+
+
 @pytest.mark.parametrize("names", [(), None])
 def test_nothing_to_work_on_is_refused(names: tuple[str, ...] | None, scene: Scene) -> None:
     fitted = {n: run for n, run in scene.runs.items() if run.held_out}

@@ -66,7 +66,8 @@ def drawn_history(draw: st.DrawFn) -> Prescribed:
 
 def drawn_run(draw: st.DrawFn, name: str) -> Run:
     temperature = np.array(draw(st.lists(KELVIN, min_size=6, max_size=6))).reshape(3, 2)
-    recording = Recording(np.eye(3)[:2] * 0.01, np.array([0.0, 1.0, 2.5]), temperature)
+    # Readings at t = 0 would have to be near the start.
+    recording = Recording(np.eye(3)[:2] * 0.01, np.array([0.1, 1.0, 2.5]), temperature)
     heater = drawn_heater(draw) if draw(st.booleans()) else None
     return Run(
         name, recording, draw(KELVIN), draw(KELVIN), draw(KELVIN), heater,

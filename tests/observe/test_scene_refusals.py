@@ -281,6 +281,29 @@ def test_quiet_frames_of_a_body_that_is_not_at_its_start_are_refused(
     )  # fmt: skip
 
 
+@pytest.mark.parametrize(("shift", "fine"), [(0.0, True), (149.0, True), (273.15, False)])
+@pytest.mark.parametrize("begin", [0.0, 0.5])
+def test_a_first_frame_of_another_scale_is_refused(
+    folder: Path, shift: float, fine: bool, begin: float, refuses
+) -> None:
+    with np.load(folder / "cooling.npz") as file:
+        parts = {name: value for name, value in file.items() if name != "quiet"}
+    frames, samples = parts["temperature"].shape
+    cooling = np.tile(np.linspace(343.0, 303.0, frames)[:, None], samples)
+    parts |= {"temperature": cooling + shift, "time": parts["time"] - parts["time"][0] + begin}
+    np.savez(folder / "cooling.npz", **parts)
+    table = json.loads((folder / "scene.json").read_text())
+    table["runs"]["cooling"]["initial_temperature"] = 343.0
+    (folder / "scene.json").write_text(json.dumps(table))
+    if fine or begin > 0:
+        assert read_scene(folder).runs["cooling"].initial_temperature == 343.0
+        return
+    refuses(
+        lambda: read_scene(folder), where="runs.cooling.recording",
+        value="616.15 K at t = 0", limit="150 K apart", remedy="unit of the readings",
+    )  # fmt: skip
+
+
 JSON = st.recursive(
     st.none() | st.booleans() | st.floats() | st.integers() | st.text(max_size=5),
     lambda inner: (

@@ -20,6 +20,11 @@ _CHANCE: Final = 0.01
 """Of noise leaving as much in smooth shapes, below which more than noise is left [1]."""
 
 
+_LEFT_OVER: Final = (
+    "More than noise is left: what could have been missed is told for noise alone, and may be more."
+)
+
+
 def cautions(
     rounds: Sequence[Round], runs: Sequence[Run], proof: Mapping[str, HeldOut], chance: float
 ) -> list[str]:
@@ -35,11 +40,6 @@ def cautions(
     tests = [_hardly_tested(name, one) for name, one in proof.items()]
     left = [_LEFT_OVER] if chance < _CHANCE else []
     return [*filter(None, (*sides, *signs, *tests)), *left]
-
-
-_LEFT_OVER: Final = (
-    "More than noise is left: what could have been missed is told for noise alone, and may be more."
-)
 
 
 def _lit(one: Round, runs: Sequence[Run]) -> str:
@@ -58,8 +58,8 @@ def _lit(one: Round, runs: Sequence[Run]) -> str:
         return ""
     name = one.effect.card.name.replace("_", " ")
     return (
-        f"In {', '.join(lit)} a lamp lights the side {side}. If nothing lies against it, {name} "
-        "stands for what reads alike: another loss there, or power that is not taken up."
+        f"Under the lamp of {', '.join(lit)} the side {side} is lit. If nothing lies against it, "
+        f"{name} stands for what reads alike: another loss there, or power that is not taken up."
     )
 
 

@@ -25,7 +25,10 @@ def select_runs(scene: Scene, names: tuple[str, ...] | None, *, held_out: bool) 
             )  # fmt: skip
     unknown = [name for name in names if name not in scene.runs]
     if unknown or not names:
-        near = meant("".join(unknown[:1]), scene.runs)
+        # What is to be fitted is hardly a run that is held out.
+        likely = [name for name, run in scene.runs.items() if held_out or not run.held_out]
+        first = "".join(unknown[:1])
+        near = meant(first, likely) or meant(first, scene.runs)
         raise InputError(
             "unknown run" if unknown else "no run is left to work on",
             where=f"{scene.folder}: runs",

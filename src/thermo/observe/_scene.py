@@ -42,6 +42,9 @@ _OFF: Final = 20.0
 _CONSTANT: Final = 5.0
 """A camera reads so much wrong all the time, whatever the run spans [K]."""
 
+_START: Final = 150.0
+"""What no camera reads wrong at the start, but a scale whose zero is elsewhere does [K]."""
+
 _ROUGHEST: Final = 0.5
 """Relative deviation of a scale [1] beyond which its effect is no longer linear at all."""
 
@@ -185,6 +188,26 @@ def _check_start(run: Run, where: str) -> None:
     )  # fmt: skip
 
 
+def _check_first_frame(run: Run, where: str) -> None:
+    """Refuse readings at t = 0 of another temperature than any camera takes the start for."""
+    recording = run.recording
+    first = recording.temperature[0][recording.valid[0]]
+    if recording.time[0] != 0 or not first.size:
+        return
+    level, span = float(np.median(first)), float(np.ptp(recording.temperature[recording.valid]))
+    most = max(_START, span)
+    if abs(level - run.initial_temperature) <= most:
+        return
+    raise InputError(
+        "the first frame shows the body at another temperature than it starts at",
+        where=f"{where}.recording",
+        value=f"{level:.6g} K at t = 0, initial_temperature {run.initial_temperature:g} K",
+        limit=f"{most:.3g} K apart, {_START:g} K or what the run spans",
+        remedy="check the unit of the readings, which may not be what their header says; "
+        "or correct initial_temperature",
+    )  # fmt: skip
+
+
 @final
 @dataclass(frozen=True, eq=False)
 class Scene:
@@ -248,6 +271,7 @@ class Scene:
                 _check_range(table, self.runs, f"{where}: material.{key}.temperature")
         for name, run in self.runs.items():
             _check_start(run, f"{where}: runs.{name}")
+            _check_first_frame(run, f"{where}: runs.{name}")
         if not self.runs:
             raise InputError(
                 "no runs", where=f"{where}: runs", value="an empty table",
