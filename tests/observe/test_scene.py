@@ -77,14 +77,14 @@ def drawn_run(draw: st.DrawFn, name: str) -> Run:
     )  # fmt: skip
 
 
-PAIRS = st.lists(
-    st.tuples(KELVIN, POSITIVE), min_size=2, max_size=4, unique_by=lambda pair: pair[0]
-)
+# Together of a volume that holds as much heat as a solid does.
+CAPACITY, DENSITY = st.floats(100, 5000), st.floats(60, 9000)
 
 
-def drawn_property(draw: st.DrawFn) -> float | TemperatureTable:
+def drawn_property(draw: st.DrawFn, values: st.SearchStrategy[float]) -> float | TemperatureTable:
     """A number, or a table of temperatures."""
-    drawn = draw(POSITIVE | PAIRS)
+    pairs = st.tuples(KELVIN, values)
+    drawn = draw(values | st.lists(pairs, min_size=2, max_size=4, unique_by=lambda pair: pair[0]))
     if isinstance(drawn, float):
         return drawn
     # Readings may have any temperature, and have to lie within.
@@ -102,8 +102,9 @@ def drawn_scene(draw: st.DrawFn, folder: Path) -> Scene:
     unknown_conductivity = "conductivity" in unknown
     priors = st.dictionaries(st.sampled_from(QUANTITIES), POSITIVE)
     material = StatedMaterial(
-        draw(st.text(min_size=1).filter(str.strip)), draw(POSITIVE), drawn_property(draw),
-        None if unknown_conductivity and draw(st.booleans()) else drawn_property(draw),
+        draw(st.text(min_size=1).filter(str.strip)), draw(DENSITY),
+        drawn_property(draw, CAPACITY),
+        None if unknown_conductivity and draw(st.booleans()) else drawn_property(draw, POSITIVE),
     )  # fmt: skip
     found = {name: drawn_run(draw, name) for name in names}
     return Scene(
@@ -187,7 +188,7 @@ def test_every_documented_key_is_read(folder: Path) -> None:
 def test_optional_keys_have_defaults(folder: Path, stated: dict) -> None:
     for key in ("object", "unit", "scale_deviation", "unknown", "prior", "truth", "description"):
         del stated[key]
-    stated["material"] = {"density": 1.0, "heat_capacity": 1.0, "conductivity": 1.0}
+    stated["material"] = {"density": 1e3, "heat_capacity": 1e3, "conductivity": 1.0}
     for key in ("heater", "held_out", "prescribed", "insulated", "air", "notes"):
         del stated["runs"]["lamp"][key]
     (folder / "scene.json").write_text(json.dumps(stated))

@@ -45,6 +45,12 @@ BAD: dict[str, tuple[str, Any, str, str, str, str]] = {
     "density_true": ("material.density", True, "", "True", "a number", "write `density`"),
     "density_nan": ("material.density", float("nan"), "", "nan", "finite", "kg/m3"),
     "density_huge": ("material.density", 10**400, "", "inf", "finite", "kg/m3"),
+    "density_in_g_per_cm3": ("material.density", 1.03, ": material", "1.48e+03 J/m3/K", "5000 to",
+                             "g/cm3"),
+    "capacity_in_calories": ("material.heat_capacity", 0.344, ": material", "354 J/m3/K", "foam",
+                             "J/g/K"),
+    "capacity_of_a_kmol": ("material.heat_capacity", 1e5, ": material", "1.03e+08", "5e+07 J/m3/K",
+                           "J/kg/K"),
     "capacity_zero": ("material.heat_capacity", 0.0, "", "0.0", "above 0", "J/kg/K"),
     "capacity_negative": ("material.heat_capacity", -3, "", "-3", "above 0", "J/kg/K"),
     "capacity_table_key": ("material.heat_capacity", {"temperature": [300, 400]},
@@ -63,7 +69,7 @@ BAD: dict[str, tuple[str, Any, str, str, str, str]] = {
                       'a number, or as {"temperature"', "write `heat_capacity`"),
     "conductivity_pairs": ("material.conductivity", [[280, 1300], [300, 1400]], "", "[[280, 1300]",
                            'a number, or as {"temperature"', "write `conductivity`"),
-    "table_beyond": ("material.heat_capacity", {"temperature": [500, 600], "value": [1, 2]},
+    "table_beyond": ("material.heat_capacity", {"temperature": [500, 600], "value": [1e3, 2e3]},
                      "material.heat_capacity.temperature", " K", "500 to 600 K",
                      "repeat its last value"),
     "conductivity_zero": ("material.conductivity", 0, "", "0", "above 0", "W/m/K"),
@@ -359,7 +365,7 @@ def sound() -> dict[str, Any]:
     }  # fmt: skip
     table = {
         "format": "thermofield-scene/1", "surface": "surface.off",
-        "material": {"density": 1.0, "heat_capacity": 1.0, "conductivity": None},
+        "material": {"density": 1e3, "heat_capacity": 1e3, "conductivity": None},
         "surface_exchange": {"convection": 1.0, "emissivity": 0.5},
         "unknown": ["conductivity"], "prior": {}, "runs": {"lamp": run},
     }  # fmt: skip

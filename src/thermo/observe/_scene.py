@@ -45,6 +45,9 @@ _CONSTANT: Final = 5.0
 _START: Final = 150.0
 """What no camera reads wrong at the start, but a scale whose zero is elsewhere does [K]."""
 
+_CAPACITY: Final = (5e3, 5e7)
+"""Of solids, light foam and ten times water among them, for a volume [J/m3/K]."""
+
 _ROUGHEST: Final = 0.5
 """Relative deviation of a scale [1] beyond which its effect is no longer linear at all."""
 
@@ -67,7 +70,8 @@ class StatedMaterial:
       its level, or None.
     - `where`: what messages call this material.
 
-    Raises `InputError` for a property that is not positive.
+    Raises `InputError` for a property that is not positive, and for a density and heat capacity
+    that no solid has together.
     """
 
     name: str
@@ -89,6 +93,19 @@ class StatedMaterial:
                 value, where=f"{where}.{key}", quantity=quantity, above=0.0, remedy=remedy
             )
             object.__setattr__(self, key, number)  # a whole number becomes a float
+        self._check_capacity(where)
+
+    def _check_capacity(self, where: str) -> None:
+        least, most = _CAPACITY
+        if not least <= self.volumetric_heat_capacity() <= most:
+            heat_capacity = _at_reference(self.heat_capacity)
+            raise InputError(
+                "density times heat capacity is that of no solid", where=where,
+                value=f"{self.density:g} kg/m3 * {heat_capacity:g} J/kg/K = "
+                f"{self.volumetric_heat_capacity():.3g} J/m3/K",
+                limit=f"{least:g} to {most:g} J/m3/K, from light foam to ten times water",
+                remedy="give kg/m3 and J/kg/K; g/cm3 and J/g/K are 1000 times as small",
+            )  # fmt: skip
 
     def volumetric_heat_capacity(self) -> float:
         """rho c [J/m3/K]; at `REFERENCE` where it changes with temperature."""
