@@ -104,7 +104,7 @@ def program(function: Callable[Taken, Given]) -> Callable[Taken, Given]:
 class _Turn:
     """A program that a thread compiles, for which others that need the same one wait.
 
-    JAX lets each of them compile it: two runs of one shape, side by side, took twice as long.
+    JAX lets each of them compile it, as two runs of one shape do side by side.
     """
 
     def __init__(self) -> None:

@@ -305,8 +305,9 @@ def test_a_first_frame_of_another_scale_is_refused(
         assert read_scene(folder).runs["cooling"].initial_temperature == 343.0
         return
     refuses(
-        lambda: read_scene(folder), where="runs.cooling.recording",
-        value="616.15 K at t = 0", limit="150 K apart", remedy="unit of the readings",
+        lambda: read_scene(folder), where="runs.cooling.initial_temperature",
+        value="343 K; there the mean is 616.15 K", limit="150 K apart",
+        remedy="unit of the readings",
     )  # fmt: skip
 
 

@@ -187,42 +187,40 @@ class Run:
 
 
 def _check_start(run: Run, where: str) -> None:
-    """Refuse quiet frames that a camera's constant error cannot have put so far from the start."""
-    quiet, read = run.recording.quiet, run.recording.temperature[run.recording.valid]
-    if quiet is None or not np.isfinite(quiet).any() or not read.size:
-        return
-    level, span = float(np.nanmean(quiet)), float(np.ptp(read))
-    most = max(_CONSTANT, span / 2)
-    if abs(level - run.initial_temperature) <= most:
-        return
-    raise InputError(
-        "the quiet frames show the body at another temperature than it starts at",
-        where=f"{where}.initial_temperature",
-        value=f"{run.initial_temperature:g} K; the quiet frames' mean is {level:.6g} K",
-        limit=f"{most:.3g} K apart, 5 K or half of what the run spans",
-        remedy="take quiet frames just before t = 0, the body at its start, or leave them out; "
-        "or correct initial_temperature",
-    )  # fmt: skip
-
-
-def _check_first_frame(run: Run, where: str) -> None:
-    """Refuse readings at t = 0 of another temperature than any camera takes the start for."""
+    """Refuse quiet frames, and readings at t = 0, too far from where the run is said to start."""
     recording = run.recording
-    first = recording.temperature[0][recording.valid[0]]
-    if recording.time[0] != 0 or not first.size:
+    read = recording.temperature[recording.valid]
+    if not read.size:
         return
-    level, span = float(np.median(first)), float(np.ptp(recording.temperature[recording.valid]))
-    most = max(_START, span)
+    span, quiet = float(np.ptp(read)), recording.quiet
+    first = recording.temperature[0][recording.valid[0]]
+    if quiet is not None and np.isfinite(quiet).any():
+        _check_level(
+            run, float(np.nanmean(quiet)), max(_CONSTANT, span / 2), where,
+            "the quiet frames show", f"{_CONSTANT:g} K or half of what the run spans",
+            "take quiet frames just before t = 0, the body at its start, or leave them out",
+        )  # fmt: skip
+    if recording.time[0] == 0 and first.size:
+        _check_level(
+            run, float(np.mean(first)), max(_START, span), where,
+            "the readings at t = 0 show", f"{_START:g} K or what the run spans",
+            "check the unit of the readings, which may not be what their header says",
+        )  # fmt: skip
+
+
+def _check_level(
+    run: Run, level: float, most: float, where: str, shown: str, limit: str, remedy: str
+) -> None:
+    """Refuse a `level` [K] that is more than `most` [K] from the start."""
     if abs(level - run.initial_temperature) <= most:
         return
     raise InputError(
-        "the first frame shows the body at another temperature than it starts at",
-        where=f"{where}.recording",
-        value=f"{level:.6g} K at t = 0, initial_temperature {run.initial_temperature:g} K",
-        limit=f"{most:.3g} K apart, {_START:g} K or what the run spans",
-        remedy="check the unit of the readings, which may not be what their header says; "
-        "or correct initial_temperature",
-    )  # fmt: skip
+        f"{shown} the body at another temperature than it starts at",
+        where=f"{where}.initial_temperature",
+        value=f"{run.initial_temperature:g} K; there the mean is {level:.6g} K",
+        limit=f"{most:.3g} K apart, {limit}",
+        remedy=f"{remedy}; or correct initial_temperature",
+    )
 
 
 @final
@@ -288,7 +286,6 @@ class Scene:
                 _check_range(table, self.runs, f"{where}: material.{key}.temperature")
         for name, run in self.runs.items():
             _check_start(run, f"{where}: runs.{name}")
-            _check_first_frame(run, f"{where}: runs.{name}")
         if not self.runs:
             raise InputError(
                 "no runs", where=f"{where}: runs", value="an empty table",
