@@ -101,8 +101,22 @@ def weak(scene: Scene) -> Scene:
 
 
 @pytest.fixture(scope="module")
-def named(weak: Scene) -> Verdict:
-    return asked(weak)
+def searched(weak: Scene, tmp_path_factory: pytest.TempPathFactory) -> tuple[Verdict, list[str]]:
+    """What is found of weak lamps, and the work that it takes where pieces are kept."""
+    with counted() as done:
+        return asked(weak, tmp_path_factory.mktemp("whole")), done
+
+
+@pytest.fixture(scope="module")
+def named(searched: tuple[Verdict, list[str]]) -> Verdict:
+    return searched[0]
+
+
+@pytest.fixture(scope="module")
+def clean(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> tuple[Verdict, Path]:
+    """What is found where nothing is missing, and where its pieces lie."""
+    folder = tmp_path_factory.mktemp("pieces")
+    return asked(scene, folder), folder
 
 
 def asked(
@@ -117,8 +131,10 @@ def asked(
     )  # fmt: skip
 
 
-def test_where_nothing_is_missing_nothing_is_named(scene: Scene) -> None:
-    found = asked(scene)
+def test_where_nothing_is_missing_nothing_is_named(
+    scene: Scene, clean: tuple[Verdict, Path]
+) -> None:
+    found, _ = clean
     assert found.verdict == "no_gap" and found.effects() == [] and found.rounds == []
     assert found.omnibus[0] > 0.01 and found.omnibus[0] == found.omnibus[1]
     assert max(abs(one.score) for one in found.candidates) < found.threshold
@@ -202,8 +218,9 @@ class Stopped(Exception):
 
 
 def test_an_interrupted_search_goes_on_to_the_same_verdict(
-    weak: Scene, named: Verdict, tmp_path: Path
+    weak: Scene, searched: tuple[Verdict, list[str]], tmp_path: Path
 ) -> None:
+    named, whole = searched
     folder, told = tmp_path / "progress", discovery_record(named)
     said: list[str] = []
 
@@ -222,8 +239,6 @@ def test_an_interrupted_search_goes_on_to_the_same_verdict(
     for name, run in named.extended.runs.items():
         assert again.extended.runs[name].simulated.tobytes() == run.simulated.tobytes()
     # Nothing is done twice, and nothing is left out.
-    with counted() as whole:
-        asked(weak, tmp_path / "other")
     assert sorted(before + after) == sorted(whole)
     assert set(before) == set(whole) - {"calibration"} and after.count("calibration") == 1
     assert 0 < before.count("descend") < whole.count("descend")
@@ -241,11 +256,11 @@ def test_an_interrupted_search_goes_on_to_the_same_verdict(
 
 
 def test_what_another_question_left_is_not_taken(
-    scene: Scene, weak: Scene, named: Verdict, tmp_path: Path
+    weak: Scene, named: Verdict, clean: tuple[Verdict, Path]
 ) -> None:
-    asked(scene, tmp_path)
+    _, folder = clean
     with counted() as done:
-        found = asked(weak, tmp_path)
+        found = asked(weak, folder)
     assert discovery_record(found) == discovery_record(named)
     assert "descend" in done and "signatures" in done and "finer_readings" in done
 

@@ -27,7 +27,7 @@ from thermo.inverse import (
     invert,
 )
 from thermo.inverse import _invert as module
-from thermo.inverse._invert import at_bounds
+from thermo.inverse._invert import _flash, _unmoved, at_bounds
 from thermo.inverse._smoothing import ALL_BUT_UNIFORM
 from thermo.mesh import box_mesh
 from thermo.observe import Recording, Scene, read_scene
@@ -327,6 +327,23 @@ def test_a_value_at_its_bound_is_told(name: str, value: float, told: str) -> Non
     field, _ = Uniform().make(QUANTITIES[name], mesh, value, 0)
     found = at_bounds({name: field})
     assert len(found) == bool(told) and all(told in one for one in found)
+
+
+def test_a_value_that_nothing_moved_is_told() -> None:
+    mesh = box_mesh((0.02, 0.02, 0.008), (2, 2, 1))
+    first, _ = Uniform().make(QUANTITIES["emissivity"], mesh, 0.85, 0)
+    pushed, _ = Uniform().make(QUANTITIES["emissivity"], mesh, 0.85001, 0)
+    (told,) = _unmoved({"emissivity": first}, {"emissivity": first})
+    assert told.startswith("emissivity stayed at its first value")
+    assert _unmoved({"emissivity": first}, {"emissivity": pushed}) == []
+
+
+def test_a_lamp_that_is_off_before_the_second_frame_is_told(scene: Scene) -> None:
+    run = scene.runs["lamp"]
+    assert run.heater is not None and _flash(run) == _flash(scene.runs["cooling"]) == ""
+    record, scale = run.recording, 1000.0 * run.heater.until
+    slow = Recording(record.points, scale * record.time, record.temperature)
+    assert f"off at {run.heater.until:g} s" in _flash(replace(run, recording=slow))
 
 
 def test_a_start_scales_first_values_and_nothing_else(block: Path, meshing: Meshing) -> None:

@@ -10,8 +10,9 @@ import equinox as eqx
 import numpy as np
 import pytest
 
+from thermo.errors import InputError
 from thermo.inverse import LevenbergMarquardt, Meshing, Prior, Stepping, Uniform
-from thermo.inverse._task import Task
+from thermo.inverse._task import Task, what_is_asked
 from thermo.observe import Air, Box, Course, Prescribed, Run, Scene
 
 
@@ -65,3 +66,21 @@ def test_every_condition_and_reading_is_in_the_key(scene: Scene) -> None:
 def test_where_meshes_are_kept_is_not_in_the_key(cache: Path | None, scene: Scene) -> None:
     one = task(scene, scene.runs["lamp"])
     assert replace(one, meshing=Meshing(cache=cache)).key() == one.key()
+
+
+GUESS = {"convection": 10.0, "scaled_convection": 5e-6, "emissivity": 0.8}
+
+
+@pytest.mark.parametrize("name", list(GUESS))
+def test_nothing_is_no_first_value(name: str, scene: Scene) -> None:
+    stated = name.removeprefix("scaled_")
+    dark = replace(scene, **{stated: 0.0})
+    with pytest.raises(InputError, match=f"{stated} is looked for by factors") as caught:
+        what_is_asked(dark, None, (name,), None)
+    assert caught.value.where.endswith(f"scene.json: surface_exchange.{stated}")
+    assert f"initial.{stated}=" in caught.value.remedy
+    *_, first = what_is_asked(dark, None, (name,), {name: GUESS[name]})
+    assert first == {name: GUESS[name]}
+    what_is_asked(dark, None, ("conductivity",), None)
+    if stated == name:
+        what_is_asked(replace(dark, unknown=(name,), **{name: None}), None, (name,), None)

@@ -142,6 +142,8 @@ BAD: dict[str, tuple[str, Any, str, str, str, str]] = {
                         "not per cent"),
     "course_late": (f"{HEATER}.course.time", [30.0, 40.0], "", "30 s", "below 30 s", "while"),
     "course_dark": (f"{HEATER}.course.share", [0, 0.0], "", "0 to 0", "above 0", "null"),
+    "course_after": (f"{HEATER}.course", {"time": [0, 5, 6], "share": [0, 0, 1]},
+                     "heater.course.time", "5 s", "below 2 s, the last frame", "null"),
     "course_nan": (f"{HEATER}.course.share", [1.0, float("nan")], "", "nan", "finite", "logged"),
     "course_back": (f"{HEATER}.course.time", [3, 1], "", "then 1 s", "increasing", "sort"),
     "constant_error_negative": (f"{LAMP}.constant_error", -0.1, "", "-0.1", "at least 0", "kelvin"),

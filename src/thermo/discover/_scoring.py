@@ -15,6 +15,7 @@ from thermo.discover._extended import Extended, signatures
 from thermo.discover._projection import projection
 from thermo.discover._scores import ScoreTable, score_table
 from thermo.discover._standing import Standing, with_few_places
+from thermo.inverse import at_once
 
 
 def scored(standing: Standing, laws: tuple[Candidate, ...], *, alpha: float) -> ScoreTable:
@@ -26,9 +27,11 @@ def scored(standing: Standing, laws: tuple[Candidate, ...], *, alpha: float) -> 
     point = standing.point
     here = [one for one in entries(point) if (one.card.name, one.part) not in standing.active]
     beside, there = _law_entries(standing, laws)
-    # All there is may be at work.
-    parts = [np.zeros((len(standing.ended.residual), 0))] + [
-        _signatures(standing, at, some) for at, some in ((point, here), (beside, there)) if some
+    # Side by side, as each has a program of its own to compile; all there is may be at work.
+    asked = [(at, some) for at, some in ((point, here), (beside, there)) if some]
+    parts = [
+        np.zeros((len(standing.ended.residual), 0)),
+        *at_once(lambda one: _signatures(standing, *one), asked),
     ]
     table = score_table(
         [*here, *there], standing.allowed.whiten(np.concatenate(parts, 1)),

@@ -30,7 +30,7 @@ from thermo.inverse._stepping import Stepping
 from thermo.inverse._surface_scale import scale_effect
 from thermo.inverse._task import Prior, Task, prepare, what_is_asked
 from thermo.mesh import resolution
-from thermo.observe import Scene
+from thermo.observe import Run, Scene
 
 
 def invert(
@@ -135,6 +135,7 @@ def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: flo
             *_taken_off(task, met),
             *_unexplained(task, met),
             *at_bounds(found),
+            *_unmoved(ready.fields, found),
             *scale_remarks(scale),
         ),
         scale=scale,
@@ -194,6 +195,21 @@ def at_bounds(found: Mapping[str, AbstractField]) -> list[str]:
     return told
 
 
+# Relative change [1] of a value that nothing pushed.
+_STILL = 1e-9
+
+
+def _unmoved(first: Mapping[str, AbstractField], found: Mapping[str, AbstractField]) -> list[str]:
+    """Remarks on fields [SI] that are where they began."""
+    return [
+        f"{name} stayed at its first value: these readings do not change with it, or it was right "
+        "from the start. `thermo identify` tells which."
+        for name, item in found.items()
+        if np.allclose(item.cell_values(), first[name].cell_values(), rtol=_STILL, atol=0.0)
+        and np.allclose(item.face_values(), first[name].face_values(), rtol=_STILL, atol=0.0)
+    ]
+
+
 UNEXPLAINED = 2.0
 """Residual over noise and model error [1] from which a run is said not to be explained."""
 
@@ -202,9 +218,19 @@ def _unexplained(task: Task, met: dict[str, RunFit]) -> list[str]:
     ratios = {
         name: run.rmse / float(np.hypot(run.noise, task.model_error)) for name, run in met.items()
     }
+    runs = {run.name: run for run in task.runs}
     return [
         f"The residual of {name} is {ratio:.2g} times its noise with model_error: this field or "
         "this model does not explain the recording. `thermo discover` looks for what is missing."
+        f"{_flash(runs[name])}"
         for name, ratio in ratios.items()
         if ratio > UNEXPLAINED
     ]
+
+
+def _flash(run: Run) -> str:
+    """What to look at where a lamp is off before it could be seen."""
+    time = run.recording.time
+    if run.heater is None or len(time) < 2 or run.heater.until > time[1]:
+        return ""
+    return f" Its lamp is off at {run.heater.until:g} s, before the second frame, at {time[1]:g} s."

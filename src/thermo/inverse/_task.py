@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import final
@@ -11,6 +12,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from thermo.errors import InputError
 from thermo.fields import QUANTITIES, AbstractField
 from thermo.inverse._body import (
     Meshing,
@@ -144,7 +146,24 @@ def what_is_asked(
     initial = {} if initial is None else initial
     check_unknowns(names, scene, initial)
     check_values(initial, names)
+    _check_first(names, scene, initial)
     return scene, tuple(select_fit_runs(scene, runs)), names, initial
+
+
+def _check_first(names: tuple[str, ...], scene: Scene, initial: Collection[str]) -> None:
+    """Refuse to begin at nothing, which no factor changes. Raises `InputError`."""
+    for name, value, guess in (
+        ("convection", scene.convection, "10"), ("emissivity", scene.emissivity, "0.8"),
+    ):  # fmt: skip
+        alike = {name, f"scaled_{name}"}
+        if value == 0.0 and alike & set(names) and not alike & set(initial):
+            raise InputError(
+                f"{name} is looked for by factors of a first value that is nothing",
+                where=f"{scene.folder}/scene.json: surface_exchange.{name}", value=0,
+                limit="a first value above 0, or null",
+                remedy="state a rough guess or null there, "
+                f"give initial.{name}={guess}, or leave it out of unknown=[...]",
+            )  # fmt: skip
 
 
 def prepare(task: Task) -> Ready:

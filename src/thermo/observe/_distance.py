@@ -47,5 +47,8 @@ def _remedy(median: float, diagonal: float) -> str:
             "file, that of the sensors too, x_mm, y_mm, z_mm; or check the surface's unit"
         )
     if median <= _MEDIAN_SHARE * diagonal:
-        return "drop the stray samples from points and temperature; reflections often cause them"
+        return (
+            "drop the stray samples from the recording (its first sample is number 0); reflections "
+            "often cause them"
+        )
     return "check that points and surface share one frame (registration) and are both in metres"

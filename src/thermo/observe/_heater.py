@@ -81,6 +81,13 @@ class Heater(eqx.Module):
         )  # fmt: skip
         self.course = _while_on(course, self.until, f"{where}.course.time")
 
+    def first_light(self) -> float:
+        """When it begins to shine [s]."""
+        if self.course is None:
+            return 0.0
+        lit = int(np.flatnonzero(self.course.share > 0)[0])
+        return max(float(self.course.time[lit - 1]), 0.0) if lit else 0.0
+
 
 def _while_on(course: Course | None, until: float, where: str) -> Course | None:
     if course is not None and course.time[0] >= until:

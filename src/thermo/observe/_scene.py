@@ -144,8 +144,9 @@ class Run:
         that of the rest. Where boxes overlap the later one counts; an insulated face has no air.
     - `where`: what messages call this run.
 
-    Raises `InputError` for temperatures that cannot be kelvin, an unusable name, a history that
-    ends before the recording does, or a `constant_error` that is negative or has no effect.
+    Raises `InputError` for temperatures that cannot be kelvin, an unusable name, a lamp that
+    lights after the recording's end, a history that ends before it, or a `constant_error` that is
+    negative or has no effect.
     """
 
     name: str
@@ -171,6 +172,13 @@ class Run:
             object.__setattr__(self, key, number)  # a whole number becomes a float
         object.__setattr__(self, "constant_error", _constant_error(self, where))
         first, last = float(self.recording.time[0]), float(self.recording.time[-1])
+        if self.heater is not None and self.heater.first_light() >= last > 0.0:
+            raise InputError(
+                "the lamp lights after the last frame", where=f"{where}.heater.course.time",
+                value=f"{self.heater.first_light():g} s", limit=f"below {last:g} s, the last frame",
+                remedy='check the times of frames and course, in seconds from the start; without a '
+                'lamp write "heater": null',
+            )  # fmt: skip
         for number, history in enumerate(self.prescribed):
             if history.time[0] > first or history.time[-1] < last:
                 raise InputError(
