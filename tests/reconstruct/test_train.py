@@ -39,6 +39,16 @@ def trained(photographs: list[Photograph]) -> Trained:
     return train(photographs, REGION, SMALL)
 
 
+Told = list[tuple[int, int, float]]
+
+
+@pytest.fixture(scope="module")
+def brief(photographs: list[Photograph]) -> tuple[Trained, Told]:
+    """A short training, and what it told of itself."""
+    said: Told = []
+    return train(photographs, REGION, BRIEF, on_step=lambda *one: said.append(one)), said
+
+
 def leaves(trained: Trained) -> list[np.ndarray]:
     return [np.asarray(one) for one in jax.tree.leaves(eqx.filter(trained.surface, eqx.is_array))]
 
@@ -69,19 +79,18 @@ def test_a_view_that_was_left_out_is_predicted(trained: Trained) -> None:
     assert np.isnan(shown.depth[0, 0]) and shown.covered[0, 0] < 0.01
 
 
-def test_progress_and_the_record_speak_of_every_step(photographs: list[Photograph]) -> None:
-    said: list[tuple[int, int, float]] = []
-    found = train(photographs, REGION, BRIEF, on_step=lambda *one: said.append(one))
+def test_progress_and_the_record_speak_of_every_step(brief: tuple[Trained, Told]) -> None:
+    found, said = brief
     assert [one[0] for one in said] == [50, 100, 120] and {one[1] for one in said} == {120}
     assert found.psnr.shape == (120,)
     assert said[-1][2] == pytest.approx(found.psnr[-20:].mean())
 
 
 def test_after_an_interruption_it_goes_on_as_if_nothing_had_been(
-    photographs: list[Photograph], tmp_path: Path
+    photographs: list[Photograph], brief: tuple[Trained, Told], tmp_path: Path
 ) -> None:
     file = tmp_path / "checkpoint.npz"
-    whole = train(photographs, REGION, BRIEF)
+    whole, _ = brief
 
     def stop(made: int, *_: object) -> None:
         if made > 50:
