@@ -194,6 +194,10 @@ def test_simulate_takes_the_values_of_the_command_line(
     found = result(out)
     assert set(found["scores"]["lamp"]) == {"stated"} and found["verb"] == "simulate"
     assert found["configuration"]["material"]["conductivity"] == 2.4
+    # Of so few cells; on more it is less than noise, and nothing is said.
+    (told,) = found["remarks"]
+    assert told.startswith("Cells make some ") and " K wrong in lamp at " in told
+    assert found["cells"]["lamp"]["largest"] > found["noise"]["lamp"] and told in outcome.out
     more = ("material.conductivity=2.4", "surface_exchange.convection=100")
     assert command(*words, *more).code == 0
     windy = check_recording(out, "lamp")

@@ -27,7 +27,7 @@ from thermo.inverse import (
     invert,
 )
 from thermo.inverse import _invert as module
-from thermo.inverse._invert import _flash, _unmoved, at_bounds
+from thermo.inverse._invert import _flash, _twice, _unmoved, at_bounds
 from thermo.inverse._smoothing import ALL_BUT_UNIFORM
 from thermo.mesh import box_mesh
 from thermo.observe import Recording, Scene, read_scene
@@ -336,6 +336,13 @@ def test_a_value_that_nothing_moved_is_told() -> None:
     (told,) = _unmoved({"emissivity": first}, {"emissivity": first})
     assert told.startswith("emissivity stayed at its first value")
     assert _unmoved({"emissivity": first}, {"emissivity": pushed}) == []
+
+
+def test_readings_that_count_twice_are_told_of(scene: Scene) -> None:
+    lamp, cooling = scene.runs["lamp"], scene.runs["cooling"]
+    assert _twice([lamp, cooling]) == []
+    (told,) = _twice([lamp, cooling, replace(lamp, name="again")])
+    assert told.startswith("lamp and again hold the same readings")
 
 
 def test_a_lamp_that_is_off_before_the_second_frame_is_told(scene: Scene) -> None:

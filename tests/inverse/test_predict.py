@@ -162,7 +162,8 @@ def test_a_simulation_is_a_prediction_with_uniform_values(
     assert np.allclose(found.temperature, wanted.temperature, rtol=0, atol=1e-6)
     assert list(found.scores) == ["stated"]
     assert found.scores["stated"] == score(found.temperature, found.measured)
-    assert found.cells is None, "a prediction alone measures that"
+    assert found.cells is not None and wanted.cells is not None
+    assert np.allclose(found.cells, wanted.cells, rtol=0, atol=1e-6)
     assert found.scores["stated"].rmse > 0.5, "three times the true conductivity"
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import equinox as eqx
@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from jax.extend.core import jaxprs_in_params
 
+from thermo._compiled import _options
 from thermo.mesh import box_mesh, promote
 from thermo.physics import (
     AbstractAdjoint,
@@ -44,6 +45,8 @@ from thermo.physics.integrators import AbstractIntegrator, BackwardEuler, Sdirk2
 
 Inputs = dict[str, Any]
 SOLVER = ConjugateGradient(rtol=1e-14)
+# As programs of the package are compiled, which takes a sixth less.
+jit = partial(jax.jit, compiler_options=_options())
 INTEGRATORS = {"backward_euler": BackwardEuler(iterations=2), "sdirk2": Sdirk2()}
 ORDERS = {BackwardEuler: 2, Sdirk2: 1}
 NAMES = (
@@ -135,7 +138,7 @@ def compiled(scheme: str) -> tuple[Callable, Callable, Callable]:
     def along(given: Inputs, direction: Inputs) -> tuple[jax.Array, jax.Array]:
         return jax.jvp(value, (given,), (direction,))
 
-    return jax.jit(value), jax.jit(jax.grad(value)), jax.jit(along)
+    return jit(value), jit(jax.grad(value)), jit(along)
 
 
 def direction_of(name: str, given: Inputs) -> Inputs:
@@ -176,9 +179,7 @@ def test_taylor_remainder(name: str, scheme: str) -> None:
 
 def test_both_adjoints_give_the_same_gradient() -> None:
     _, kept, _ = compiled("sdirk2")
-    again = jax.jit(
-        jax.grad(lambda given: loss(given, INTEGRATORS["sdirk2"], RecomputeSegments(3)))
-    )
+    again = jit(jax.grad(lambda given: loss(given, INTEGRATORS["sdirk2"], RecomputeSegments(3))))
     one, other = kept(inputs(1)), again(inputs(1))
     for name in one:
         tolerance = 1e-12 * float(jnp.abs(one[name]).max())
@@ -193,8 +194,8 @@ def test_batch_of_tangents_equals_single_ones() -> None:
         return temperatures(given, Sdirk2(), StoreSteps())
 
     start = jnp.stack([inputs(1)[name] for name in names])
-    together = jax.jit(jax.jacfwd(frames))(start)
-    single = jax.jit(lambda tangent: jax.jvp(frames, (start,), (tangent,))[1])
+    together = jit(jax.jacfwd(frames))(start)
+    single = jit(lambda tangent: jax.jvp(frames, (start,), (tangent,))[1])
     for column in range(len(names)):
         alone = single(jnp.eye(len(names))[column])
         assert float(jnp.abs(alone).max()) > 1e-3
@@ -214,7 +215,7 @@ def test_tangents_side_by_side_equal_those_of_a_plain_batch(scheme: str) -> None
 
     ones = jnp.ones(len(names))
     plain, wide = (
-        jax.jit(jax.jacfwd(lambda f, a=adjoint: frames(f, a)))(ones)
+        jit(jax.jacfwd(lambda f, a=adjoint: frames(f, a)))(ones)
         for adjoint in (StoreSteps(), ForwardOnly())
     )
     for column in range(len(names)):
@@ -235,7 +236,7 @@ def test_a_batch_of_runs_may_be_forward_only() -> None:
         return jax.jvp(run, (power,), (jnp.ones(()),))
 
     powers = jnp.array([1.0, 4.0])
-    together = jax.jit(jax.vmap(pushed))(powers)
+    together = jit(jax.vmap(pushed))(powers)
     for number, power in enumerate(powers):
         for many, one in zip(together, pushed(power), strict=True):
             np.testing.assert_allclose(many[number], one, rtol=0, atol=1e-9)

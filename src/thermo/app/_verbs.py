@@ -115,8 +115,8 @@ def predict(settings: Configuration) -> None:
     taken = [one.card.name for one in effects or ()]
     mesh, _, _, fields = inverse.load_estimate(estimate / "estimate.npz")
     noise = _noise(scene, predictions)
-    coarse = [_of_cells(name, one, noise[name]) for name, one in predictions.items()]
-    remarks = [*stated_otherwise(estimate, scene), *_of_the_fit(estimate), *filter(None, coarse)]
+    coarse = _of_cells(predictions, noise)
+    remarks = [*stated_otherwise(estimate, scene), *_of_the_fit(estimate), *coarse]
     record = write_predictions(
         out, "predict", predictions, settings, seconds, taken, remarks,
         noise=noise, mesh=mesh, fields=fields,
@@ -131,17 +131,19 @@ def _noise(scene: Scene, runs: Iterable[str]) -> dict[str, float]:
     return {name: estimate_noise(scene.runs[name].recording).total() for name in runs}
 
 
-def _of_cells(run: str, prediction: inverse.Prediction, noise: float) -> str:
-    """A sentence where cells make more wrong in some frame than noise does [K], or nothing."""
-    cells = prediction.cells
-    if cells is None or cells.max() <= noise:
-        return ""
-    wrong = cells_wrong(prediction.time, cells)
-    return (
-        f"Cells make some {wrong['largest']:.2g} K wrong in {run} at {wrong['time']:.3g} s, "
-        f"{wrong['rms']:.2g} K over all frames (RMS), where noise is {noise:.2g} K: "
-        "a larger mesh.cells_per_depth or mesh.max_nodes makes that less."
-    )
+def _of_cells(made: Mapping[str, inverse.Prediction], noise: Mapping[str, float]) -> list[str]:
+    """A sentence for each run in which cells make more wrong in some frame than noise does [K]."""
+    told = []
+    for run, one in made.items():
+        if one.cells is None or one.cells.max() <= noise[run]:
+            continue
+        wrong = cells_wrong(one.time, one.cells)
+        told.append(
+            f"Cells make some {wrong['largest']:.2g} K wrong in {run} at {wrong['time']:.3g} s, "
+            f"{wrong['rms']:.2g} K over all frames (RMS), where noise is {noise[run]:.2g} K: "
+            "a larger mesh.cells_per_depth or mesh.max_nodes makes that less."
+        )
+    return told
 
 
 def _of_the_fit(folder: Path) -> list[str]:
@@ -208,5 +210,10 @@ def simulate(settings: Configuration) -> None:
     )
     seconds = time.monotonic() - begun
     runs = {str(settings["run"]): prediction}
-    record = write_predictions(out, "simulate", runs, settings, seconds, noise=_noise(scene, runs))
-    print(f"{prediction_table(record)}\n\n{out / 'result.json'}, {seconds:.0f} s")
+    noise = _noise(scene, runs)
+    remarks = _of_cells(runs, noise)
+    record = write_predictions(
+        out, "simulate", runs, settings, seconds, remarks=remarks, noise=noise
+    )
+    told = "".join(f"\n{remark}" for remark in remarks)
+    print(f"{prediction_table(record)}\n{told}\n{out / 'result.json'}, {seconds:.0f} s")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import functools
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from itertools import combinations
 from pathlib import Path
 from typing import Literal
 
@@ -134,6 +135,7 @@ def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: flo
             *(_chosen(smoothness) if data_choose(task, ready) else ()),
             *_taken_off(task, met),
             *_unexplained(task, met),
+            *_twice(task.runs),
             *at_bounds(found),
             *_unmoved(ready.fields, found),
             *scale_remarks(scale),
@@ -207,6 +209,15 @@ def _unmoved(first: Mapping[str, AbstractField], found: Mapping[str, AbstractFie
         for name, item in found.items()
         if np.allclose(item.cell_values(), first[name].cell_values(), rtol=_STILL, atol=0.0)
         and np.allclose(item.face_values(), first[name].face_values(), rtol=_STILL, atol=0.0)
+    ]
+
+
+def _twice(runs: Iterable[Run]) -> list[str]:
+    """Remarks on runs whose readings are the same, which noise does not do."""
+    return [
+        f"{one.name} and {other.name} hold the same readings, which count twice: leave one out."
+        for one, other in combinations(runs, 2)
+        if np.array_equal(one.recording.temperature, other.recording.temperature, equal_nan=True)
     ]
 
 
