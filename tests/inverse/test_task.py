@@ -82,5 +82,9 @@ def test_nothing_is_no_first_value(name: str, scene: Scene) -> None:
     *_, first = what_is_asked(dark, None, (name,), {name: GUESS[name]})
     assert first == {name: GUESS[name]}
     what_is_asked(dark, None, ("conductivity",), None)
+    if stated != name:
+        # The other form of it that is nothing begins nowhere either.
+        with pytest.raises(InputError, match=f"{stated} is looked for by factors"):
+            what_is_asked(dark, None, (name,), {stated: 0.0})
     if stated == name:
         what_is_asked(replace(dark, unknown=(name,), **{name: None}), None, (name,), None)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Collection
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import final
@@ -150,13 +150,14 @@ def what_is_asked(
     return scene, tuple(select_fit_runs(scene, runs)), names, initial
 
 
-def _check_first(names: tuple[str, ...], scene: Scene, initial: Collection[str]) -> None:
+def _check_first(names: tuple[str, ...], scene: Scene, initial: Mapping[str, float]) -> None:
     """Refuse to begin at nothing, which no factor changes. Raises `InputError`."""
     for name, value, guess in (
         ("convection", scene.convection, "10"), ("emissivity", scene.emissivity, "0.8"),
     ):  # fmt: skip
         alike = {name, f"scaled_{name}"}
-        if value == 0.0 and alike & set(names) and not alike & set(initial):
+        begins = value != 0.0 or any(initial.get(one, 0.0) > 0.0 for one in alike)
+        if alike & set(names) and not begins:
             raise InputError(
                 f"{name} is looked for by factors of a first value that is nothing",
                 where=f"{scene.folder}/scene.json: surface_exchange.{name}", value=0,
