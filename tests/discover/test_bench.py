@@ -54,9 +54,9 @@ def test_where_there_can_be_none_the_bench_stays(
 def test_cells_are_small_about_the_edge_of_a_place_on_both_meshes(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked: list[tuple[float, Fine | None]] = []
+    asked: list[tuple[float, tuple[Fine, ...]]] = []
 
-    def made(task: Any, stated: Any, by: float, fine: Fine | None = None) -> Mesh:
+    def made(task: Any, stated: Any, by: float, fine: tuple[Fine, ...] = ()) -> Mesh:
         asked.append((by, fine))
         return MESH
 
@@ -68,12 +68,11 @@ def test_cells_are_small_about_the_edge_of_a_place_on_both_meshes(
     for name, fake in fakes.items():
         monkeypatch.setattr(_bench, name, fake)
     plain = resolved(bench, np.zeros((0, 3)))
-    assert plain.finer is bench.finer and asked == [(_bench._SMALLER, None)]
+    assert plain.finer is bench.finer and asked == [(_bench._SMALLER, ())]
     edges = within((0.010, 0.006, 0.004), [0.002, 0.002, 0.001]).edge(0)[:20]
     resolved(bench, edges)
-    (first, near), (second, nearer) = sorted(asked[1:], key=lambda one: one[0])
+    (first, (near,)), (second, (nearer,)) = sorted(asked[1:], key=lambda one: one[0])
     assert (first, second) == (_bench._SMALLER, FINER)
-    assert near is not None and nearer is not None
     assert near.points is edges and nearer.points is edges
     assert near.edge == pytest.approx(edge_of(bench) / _bench._AT_EDGES)
     assert nearer.edge == pytest.approx(near.edge / _bench._SMALLER)

@@ -108,13 +108,14 @@ def test_field_is_skin_on_the_surface_and_core_inside(cube):
 def test_the_field_is_fine_where_it_is_asked_for_and_grows_from_there(cube):
     spots = np.array([[0.0, 0.0, 0.0], [0.008, 0.0, 0.0]])
     usual = Sizing(skin=0.004, core=0.008, depth=0.008)
-    sizing = replace(usual, fine=Fine(spots, 0.001))
+    sizing = replace(usual, fine=(Fine(spots, 0.001),))
     nodes, _, values = sizing_field(cube, sizing)
     away, _ = KDTree(spots).query(nodes)
     assert (values[away <= 0.001] == 0.001).all() and (away <= 0.001).any()
     assert (values <= 0.001 + 0.5 * away).all() and values.max() <= 0.008
     assert values[away > 0.016].min() >= 0.004
-    assert sizing.divided(2.0).fine is sizing.fine and sizing.divided(2.0).skin == 0.002
+    half = sizing.divided(2.0)
+    assert half.fine[0].edge == 0.0005 and half.skin == 0.002
 
 
 @pytest.mark.parametrize(("count", "edge"), [(1, 0.0), (1, np.nan), (1, -1e-3), (0, 1e-3)])

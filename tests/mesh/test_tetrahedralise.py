@@ -70,7 +70,7 @@ def test_cells_are_small_where_that_is_asked_for(cube, folder):
     rng = np.random.default_rng(0)
     spots = rng.normal(size=(200, 3))
     spots *= 0.006 / np.linalg.norm(spots, axis=1, keepdims=True)
-    mesh = tetrahedralise(cube, replace(COARSE, fine=Fine(spots, 0.0025)), cache=folder)
+    mesh = tetrahedralise(cube, replace(COARSE, fine=(Fine(spots, 0.0025),)), cache=folder)
     # Nodes are brought to the surface, but not one whose move would spoil a cell.
     assert mesh.volume() == pytest.approx(0.04**3, rel=2e-3)
 
@@ -186,7 +186,7 @@ def test_the_key_depends_on_all_that_matters(cube, ball):
         content_key(cube, Sizing(0.008, 0.014, 0.011), (1.0,)),
         content_key(Surface(cube.vertices * 1.001, cube.triangles), COARSE, (1.0,)),
         *(
-            content_key(cube, replace(COARSE, fine=Fine(np.full((1, 3), at), edge)), (1.0,))
+            content_key(cube, replace(COARSE, fine=(Fine(np.full((1, 3), at), edge),)), (1.0,))
             for at, edge in ((0.0, 1e-3), (0.0, 2e-3), (0.01, 1e-3))
         ),
     }

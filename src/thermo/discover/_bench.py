@@ -104,7 +104,8 @@ def resolved(bench: Bench, edges: Points) -> Bench:
         mesh, finer = mesh_for(task, stated, _SMALLER), bench.finer
     else:
         edge = _edge_about(edges, edge_of(bench) / _AT_EDGES, _MORE * len(bench.ready.mesh.nodes))
-        wanted = (_SMALLER, Fine(edges, edge)), (FINER, Fine(edges, edge / _SMALLER))
+        near = ((Fine(edges, edge),), (Fine(edges, edge / _SMALLER),))
+        wanted = (_SMALLER, near[0]), (FINER, near[1])
         mesh, finer = at_once(lambda one: mesh_for(task, stated, *one), wanted)
     ready = lay_out(task, mesh, stated)
     return replace(bench, ready=ready, coarse=_coarse(task, ready), finer=finer)

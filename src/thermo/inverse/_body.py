@@ -11,6 +11,7 @@ import numpy as np
 from thermo.errors import InputError
 from thermo.fields import QUANTITIES
 from thermo.inverse._conditions import conditions, make_model
+from thermo.inverse._lamp_spots import lamp_spots
 from thermo.inverse._properties import Stated, law_of, properties
 from thermo.inverse._side_by_side import solve_each
 from thermo.inverse._stated_places import check_places
@@ -64,14 +65,15 @@ def duration(scene: Scene) -> float:
 
 
 def sizing_of(scene: Scene, surface: Surface, diffusivity: float, meshing: Meshing) -> Sizing:
-    """Edges [m] that suit a diffusivity [m2/s] and the scene's longest run."""
-    return sizing_from_physics(
+    """Edges [m] that suit a diffusivity [m2/s], the scene's longest run and its lamps."""
+    sizing = sizing_from_physics(
         surface,
         diffusivity=diffusivity,
         duration=duration(scene),
         cells_per_depth=meshing.cells_per_depth,
         max_nodes=meshing.max_nodes,
     )
+    return replace(sizing, fine=lamp_spots(scene, surface, sizing, meshing.max_nodes))
 
 
 def make_mesh(
@@ -81,7 +83,7 @@ def make_mesh(
     meshing: Meshing,
     *,
     finer: float = 1.0,
-    fine: Fine | None = None,
+    fine: tuple[Fine, ...] = (),
 ) -> Mesh:
     """Linear mesh [m] graded for a diffusivity [m2/s], all its lengths divided by `finer` [1].
 
@@ -90,7 +92,7 @@ def make_mesh(
     sizing = sizing_of(scene, surface, diffusivity, meshing)
     if finer != 1.0:
         sizing = sizing.divided(finer)
-    sizing = replace(sizing, fine=fine)
+    sizing = replace(sizing, fine=(*sizing.fine, *fine))
     return tetrahedralise(surface, sizing, cache=meshing.cache, where=str(scene.surface_path))
 
 

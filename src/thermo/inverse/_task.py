@@ -181,7 +181,7 @@ def stand_in(task: Task) -> Stated:
     return state(scene, initial, guess)
 
 
-def mesh_for(task: Task, stated: Stated, finer: float = 1.0, fine: Fine | None = None) -> Mesh:
+def mesh_for(task: Task, stated: Stated, finer: float = 1.0, fine: tuple[Fine, ...] = ()) -> Mesh:
     """The mesh of a fit [m], or one whose lengths are divided by `finer` [1].
 
     `fine`: where they are shorter still.

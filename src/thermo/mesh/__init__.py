@@ -1,6 +1,7 @@
 """Surfaces and tetrahedral meshes: reading, checking, meshing, locating, selecting, rays."""
 
 from ._ball import ball_mesh
+from ._beam import in_beam
 from ._box import box_mesh
 from ._build import mesh_from_cells
 from ._check_surface import check_surface
@@ -46,6 +47,7 @@ __all__ = [
     "faces_where",
     "first_hits",
     "heat_depth",
+    "in_beam",
     "linear",
     "locate",
     "nearest_triangle",

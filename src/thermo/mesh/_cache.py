@@ -41,9 +41,9 @@ def content_key(surface: Surface, sizing: Sizing, settings: tuple[float, ...]) -
     lengths = (sizing.skin, sizing.core, sizing.depth, sizing.envelope(surface), *settings)
     digest = hashlib.sha256(f"{FORMAT} pytetwild {mesher}".encode())
     digest.update(np.array(lengths, "<f8").tobytes())
-    if sizing.fine is not None:
-        digest.update(np.array(sizing.fine.edge, "<f8").tobytes())
-        digest.update(sizing.fine.points.astype("<f8").tobytes())
+    for one in sizing.fine:
+        digest.update(np.array(one.edge, "<f8").tobytes())
+        digest.update(one.points.astype("<f8").tobytes())
     digest.update(np.array([len(surface.vertices), len(surface.triangles)], "<i8").tobytes())
     digest.update(np.ascontiguousarray(surface.vertices, "<f8").tobytes())
     digest.update(np.ascontiguousarray(surface.triangles, "<i8").tobytes())

@@ -50,14 +50,14 @@ class Sizing:
     - `core`: edge length deep inside [m], not below `skin`.
     - `depth`: thickness of the layer over which the length grows from skin to core [m].
     - `tolerance`: how far the mesh may lie off the surface [m]; 5e-4 box diagonals where None.
-    - `fine`: where edges are shorter than that, if anywhere; no count of nodes expects them.
+    - `fine`: where edges are shorter than that; no count of nodes expects them.
     """
 
     skin: float | int
     core: float | int
     depth: float | int
     tolerance: float | int | None = None
-    fine: Fine | None = None
+    fine: tuple[Fine, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse lengths that are not positive or a core finer than the skin."""
@@ -87,9 +87,10 @@ class Sizing:
         return TOLERANCE * surface.diagonal() if self.tolerance is None else float(self.tolerance)
 
     def divided(self, by: float | int) -> Sizing:
-        """Edges [m] divided by a number [1], and a tolerance that is stated; all else stays."""
+        """All edges [m] divided by a number [1], and a tolerance that is stated."""
         tolerance = None if self.tolerance is None else self.tolerance / by
-        return Sizing(self.skin / by, self.core / by, self.depth, tolerance, self.fine)
+        fine = tuple(Fine(one.points, one.edge / by) for one in self.fine)
+        return Sizing(self.skin / by, self.core / by, self.depth, tolerance, fine)
 
 
 def heat_depth(diffusivity: float | int, duration: float | int) -> float:

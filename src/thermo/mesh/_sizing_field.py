@@ -26,7 +26,7 @@ def sizing_field(
     where the sizing is `fine` it is no longer than that says.
     """
     low, high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
-    shortest = min(sizing.depth, sizing.skin, np.inf if sizing.fine is None else sizing.fine.edge)
+    shortest = min(sizing.depth, sizing.skin, *(one.edge for one in sizing.fine))
     step = max(shortest / 1.5, (high - low).max() / LARGEST_LATTICE)
     low, high = low - 2.0 * step, high + 2.0 * step
     counts = np.maximum(np.ceil((high - low) / step).astype(int), 2) + 1
@@ -41,11 +41,11 @@ def sizing_field(
     x, y, z = (int(n) for n in counts)
     cells = lattice_cells((x, y, z)).astype(np.int32)
     edges = sizing.skin + (sizing.core - sizing.skin) * rise
-    if sizing.fine is not None:
-        away, _ = KDTree(sizing.fine.points).query(nodes)
+    for one in sizing.fine:
+        away, _ = KDTree(one.points).query(nodes)
         # All corners of a lattice cell with such a point in it must say so.
-        beyond = np.maximum(away - max(step, sizing.fine.edge), 0.0)
-        edges = np.minimum(edges, sizing.fine.edge + GROWTH * beyond)
+        beyond = np.maximum(away - max(step, one.edge), 0.0)
+        edges = np.minimum(edges, one.edge + GROWTH * beyond)
     return nodes, cells, edges
 
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import subprocess
 import sys
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 from jaxtyping import Float, Int
+from scipy.spatial import KDTree
 
 from thermo.errors import InputError
 
@@ -17,9 +19,10 @@ from . import _mesher_child
 from ._cache import READING, content_key, default_cache, load_cells, save_cells
 from ._conform import conformed
 from ._gate import gated_mesh, sound_mesh
+from ._geometry import squared_edges
 from ._mesh import Mesh
 from ._simplify import simplified
-from ._sizing import Sizing
+from ._sizing import Fine, Sizing
 from ._sizing_field import sizing_field
 from ._surface import Surface
 
@@ -37,6 +40,19 @@ PASSES: Final = 20
 
 ASK: Final = 1.0
 """Edge lengths asked for, over those wanted: the mesher's edges come out longer."""
+
+LONGER: Final = 2.2
+"""Mean edge over the one wanted where it is to be short, from which the mesher is asked again: it
+ends once cells are well shaped, which may be long before they are small in few places."""
+
+AGAIN: Final = 0.6
+"""The short edge that is asked for then, over the one before."""
+
+DENSER: Final = 0.7
+"""The same of the longest one, by which the mesher spreads the points that it begins with."""
+
+ASKED: Final = 4
+"""How often the mesher is asked at the most."""
 
 
 def tetrahedralise(
@@ -66,7 +82,8 @@ def tetrahedralise(
     long, and when its mesh is not good enough.
     """
     folder = default_cache() if cache is None else Path(cache)
-    entry = folder / f"{content_key(surface, sizing, (STOP_ENERGY, PASSES, ASK))}.npz"
+    again = (LONGER, AGAIN, DENSER, ASKED) if sizing.fine else ()
+    entry = folder / f"{content_key(surface, sizing, (STOP_ENERGY, PASSES, ASK, *again))}.npz"
     kept = load_cells(entry)
     if kept is not None:
         try:
@@ -75,7 +92,7 @@ def tetrahedralise(
             # An entry that no longer passes is as good as none.
             entry.unlink(missing_ok=True)
     fewer = simplified(surface, most=MOST_TRIANGLES, target=TARGET, where=where)
-    nodes, cells = _run_mesher(fewer, sizing, time_limit, where)
+    nodes, cells = _small_enough(fewer, sizing, time_limit, where)
     made = sound_mesh(nodes, cells, where=where)
     mesh = gated_mesh(conformed(made, surface), made.cells, surface, where=where)
     save_cells(entry, mesh.nodes, mesh.cells)
@@ -84,10 +101,39 @@ def tetrahedralise(
     return mesh if kept is None else gated_mesh(*kept, surface, where=where)
 
 
-def _run_mesher(
+def _small_enough(
     surface: Surface, sizing: Sizing, time_limit: float, where: str
 ) -> tuple[Float[np.ndarray, "nodes 3"], Int[np.ndarray, "cells 4"]]:
-    """Run pytetwild in a process of its own inside a temporary folder."""
+    """Nodes [m] and cells of the mesher, asked again where few cells are to be small and are not.
+
+    Of several meshes the one with the smallest cells there.
+    """
+    asked, meshes, longer = sizing, [], []
+    for trial in range(ASKED):
+        longest = ASK * sizing.core * DENSER**trial
+        nodes, cells = _run_mesher(surface, asked, longest, time_limit, where)
+        meshes.append((nodes, cells))
+        longer.append(max((_edge_over(nodes, cells, one) for one in sizing.fine), default=0.0))
+        if longer[-1] <= LONGER:
+            break
+        fine = tuple(Fine(one.points, AGAIN * one.edge) for one in asked.fine)
+        asked = replace(asked, fine=fine)
+    return meshes[int(np.argmin(longer))]
+
+
+def _edge_over(nodes: np.ndarray, cells: np.ndarray, fine: Fine) -> float:
+    """Mean edge of the cells that lie nearest to where it is to be short, over that length [1]."""
+    nearest = KDTree(nodes[cells].mean(axis=1)).query(fine.points)[1]
+    return float(np.sqrt(squared_edges(nodes, cells[nearest])).mean() / fine.edge)
+
+
+def _run_mesher(
+    surface: Surface, sizing: Sizing, longest: float, time_limit: float, where: str
+) -> tuple[Float[np.ndarray, "nodes 3"], Int[np.ndarray, "cells 4"]]:
+    """Run pytetwild in a process of its own inside a temporary folder.
+
+    `longest`: edge that it is told to make where nothing shorter is wanted [m].
+    """
     field_nodes, field_cells, field_values = sizing_field(surface, sizing)
     with tempfile.TemporaryDirectory(prefix="thermofield-") as name:
         source, target = Path(name) / "surface.npz", Path(name) / "mesh.npz"
@@ -95,7 +141,7 @@ def _run_mesher(
             source,
             vertices=surface.vertices,
             triangles=surface.triangles.astype(np.int32),
-            edge=ASK * sizing.core,
+            edge=longest,
             epsilon=sizing.envelope(surface) / surface.diagonal(),
             stop_energy=STOP_ENERGY,
             passes=PASSES,
