@@ -45,7 +45,7 @@ from .lit_objective import box_task, objective
 def refit(name: str, left: float, free: int, smooth: float = 1.0, *, fault: bool = False) -> Refit:
     card = Card(name, "1", 1.0, -np.inf, np.inf, "", "", "", fault=fault)
     score = Score(Entry(0, 0, card, np.array([0])), 5.0, np.ones(1), 0.2, 1.0, 0.3, slice(0, 1))
-    return Refit(score, standing(left, free, smooth))
+    return Refit(score, standing(left, free, smooth), standing(left, free, smooth))
 
 
 def names(made: list[Refit]) -> list[str]:
@@ -158,7 +158,8 @@ def test_what_leaves_more_than_nothing_on_its_own_cells_is_no_rival(
 def test_a_rival_counts_by_the_less_that_it_leaves(
     monkeypatch: pytest.MonkeyPatch, left: float, kept: float
 ) -> None:
-    best = Refit(refit("best", 50.0, 3).score, standing(50.0, 3, active=(("a", 0), ("best", 1))))
+    there = standing(50.0, 3, active=(("a", 0), ("best", 1)))
+    best = Refit(refit("best", 50.0, 3).score, there, there)
 
     def in_place_of(there: Standing, number: int, rival: Refit, most: float) -> Standing:
         assert there is best.standing and (number, rival, most) == (1, one, 0.0)

@@ -25,7 +25,8 @@ MOST = 12.0
 def refit(name: str, left: float, *, fault: bool = False) -> Refit:
     card = Card(name, "1", 1.0, -np.inf, np.inf, "", "", "", fault=fault)
     score = Score(Entry(0, 0, card, np.array([0])), 5.0, np.ones(1), 0.2, 1.0, 0.3, slice(0, 1))
-    return Refit(score, standing(left, 3, active=((name, 0),)))
+    there = standing(left, 3, active=((name, 0),))
+    return Refit(score, there, there)
 
 
 def test_rivals_are_effects_near_the_first_of_their_round() -> None:

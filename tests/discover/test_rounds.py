@@ -28,7 +28,7 @@ def test_noise_explains_as_much_by_any_of_what_was_scored(
     score = Score(Entry(0, 0, SOURCE, np.zeros(1, int)), 2.0, np.zeros(1), 1.0, 1.0, 0.5, slice(1))
     table = ScoreTable([score] * parts, [], 3.4, np.zeros((0, 0)), np.zeros((0, 0)))
     before, after = standing(44.0, 2), standing(40.0, 3, active=(("hidden_source", 0),))
-    made = make_round(before, [Refit(score, after)], table)
+    made = make_round(before, [Refit(score, after, before)], table)
     # Four of chi-square with one free entry more: 4.55 %.
     assert made.p_value == pytest.approx(chance, rel=1e-3)
 

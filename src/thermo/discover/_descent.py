@@ -149,6 +149,11 @@ def descend(
     return here
 
 
+def begun(objective: Objective, point: Extended, free: Free, allowed: Allowance) -> Ended:
+    """Where least squares begin, residual and slopes in what is `allowed` for [1]."""
+    return _at(objective, point, free.ways(len(ravel_pytree(point)[0])), allowed)
+
+
 def _at(
     objective: Objective,
     point: Extended,

@@ -12,7 +12,15 @@ from thermo.discover._descent import Ended
 from thermo.discover._pace import MEASURE, REFIT, Pace
 from thermo.discover._scores import Score, ScoreTable, best_of_kinds, credible
 from thermo.discover._scoring import beside_laws, merged
-from thermo.discover._standing import BY_SHAPES, WORTH, Standing, fitted, share_closed, without
+from thermo.discover._standing import (
+    BY_SHAPES,
+    WORTH,
+    Standing,
+    fitted,
+    share_closed,
+    without,
+)
+from thermo.discover._trust_region import in_short_steps, kept_promise, remeasured
 
 # Of a few kinds each is refitted whose score explains this share of what the best one does, and
 # all whose score explains another share of it [1]: far from where scores are linear they rank
@@ -34,10 +42,14 @@ _NEAR: Final = 0.3
 @final
 @dataclass(frozen=True)
 class Refit:
-    """A candidate put to work: its score before, and where the fit stands with it."""
+    """A candidate put to work: its score before, and where the fit stands with it.
+
+    `begun`: where its fit began, at strength zero.
+    """
 
     score: Score
     standing: Standing
+    begun: Standing
 
     def name(self) -> str:
         """Of the candidate."""
@@ -123,13 +135,21 @@ def _put_to_work(
         point = beside_laws(standing, laws)
     active = (*standing.active, (card.name, score.entry.part))
     there = replace(standing, point=point, active=active)
-    return Refit(score, fitted(there, times=0, rival=rival))
+    return Refit(score, fitted(there, times=0, rival=rival), there)
 
 
 def _once_more(one: Refit, pace: Pace, number: int, count: int) -> Refit:
+    """Fitted with what cells make wrong measured where it stands, or from its beginning.
+
+    What leaves far more there than it seemed to was led astray by what they make wrong.
+    """
     words = f"measuring the cells' error with {one.name()}, {number} of {count}"
     pace.step(words, MEASURE, {MEASURE: count - number + 1})
-    return replace(one, standing=fitted(one.standing, times=1))
+    there = remeasured(one.standing)
+    if kept_promise(one.begun, one.standing, there):
+        return replace(one, standing=fitted(there, times=0))
+    pace.step(f"following {one.name()} in short steps, as cells are coarse for it")
+    return replace(one, standing=in_short_steps(one.begun))
 
 
 def _measured_anew(standing: Standing, made: list[Refit], pace: Pace) -> list[Refit]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Final, final
 
@@ -17,11 +17,12 @@ from thermo._compiled import make_room
 from thermo.discover._allowance import Allowance
 from thermo.discover._bench import FINEST_LEFT, Bench, corrected, finer_runs, steps_for
 from thermo.discover._candidate import Candidate
-from thermo.discover._descent import Ended, Free, descend
+from thermo.discover._descent import Ended, Free, begun, descend
 from thermo.discover._entries import Active, entry_of, field_entries, free_entries, joined
 from thermo.discover._extended import Extended, moved
 from thermo.discover._projection import projection
 from thermo.discover._softening import error_columns, omnibus
+from thermo.inverse import Objective
 
 WORTH: Final = 0.5
 """An effect has to close this share of what is left [1]."""
@@ -162,18 +163,29 @@ def fitted(standing: Standing, *, times: int, rival: float = np.inf) -> Standing
     small, kept = with_few_places(standing)
     free = free_of(small)
     for number in range(max(times, 1)):
-        bench = small.bench
         if number < times:
-            bench = corrected(bench, small.point, finer_runs(bench, small.point))
-        small = replace(small, bench=bench)
-        ended = _descended(small, free, rival)
-        small = replace(small, point=ended.point, ended=ended)
+            small = measured(small)
+        small = descended(small, free, rival)
+    return with_all_places(standing, small, kept)
+
+
+def with_all_places(standing: Standing, small: Standing, kept: Mapping[str, Parts]) -> Standing:
+    """The standing where a fit with few places of its effects has ended [1].
+
+    `kept`: which parts these are, as of `with_few_places`.
+    """
     back = tuple(
         _put_back(one, few, kept[one.card.name])
         for one, few in zip(standing.point.candidates, small.point.candidates, strict=True)
     )
     point = replace(small.point, candidates=back)
     return replace(standing, bench=small.bench, point=point, ended=small.ended)
+
+
+def measured(standing: Standing) -> Standing:
+    """With what cells make wrong measured where it stands [K], not fitted anew."""
+    wanted = finer_runs(standing.bench, standing.point)
+    return replace(standing, bench=corrected(standing.bench, standing.point, wanted))
 
 
 def refined(standing: Standing, bench: Bench, *, rough: bool) -> Standing:
@@ -203,15 +215,31 @@ def refined(standing: Standing, bench: Bench, *, rough: bool) -> Standing:
     return replace(after, bench=replace(bench, scatter=scatter))
 
 
-def _descended(standing: Standing, free: Free, rival: float) -> Ended:
+def descended(standing: Standing, free: Free, rival: float = np.inf) -> Standing:
     """Where least squares end [1], or ended before the search was interrupted."""
-    coarse = steps_for(standing.bench.coarse, standing.point)
-    follows = coarse, standing.point, free, standing.allowed, rival
+    follows = _asked(standing, free)
+    return _recalled("fit", standing, (*follows, rival), lambda: descend(*follows, rival))
 
+
+def not_moved(standing: Standing, free: Free) -> Standing:
+    """What is left where it stands, and its slopes [1], nothing fitted."""
+    follows = _asked(standing, free)
+    return _recalled("left", standing, follows, lambda: begun(*follows))
+
+
+def _asked(standing: Standing, free: Free) -> tuple[Objective, Extended, Free, Allowance]:
+    coarse = steps_for(standing.bench.coarse, standing.point)
+    return coarse, standing.point, free, standing.allowed
+
+
+def _recalled(
+    kind: str, standing: Standing, follows: object, make: Callable[[], Ended]
+) -> Standing:
     def anew() -> list[np.ndarray]:
-        ended = descend(*follows)
+        ended = make()
         return [np.asarray(ravel_pytree(ended.point)[0]), ended.residual, ended.slopes]
 
-    at, residual, slopes = standing.bench.memory.recalled("fit", follows, anew)
+    at, residual, slopes = standing.bench.memory.recalled(kind, follows, anew)
     _, unravel = ravel_pytree(standing.point)
-    return Ended(unravel(jnp.asarray(at)), residual, slopes)
+    ended = Ended(unravel(jnp.asarray(at)), residual, slopes)
+    return replace(standing, point=ended.point, ended=ended)
