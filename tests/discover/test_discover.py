@@ -31,7 +31,9 @@ from thermo.discover import (
     library,
     load_effects,
 )
-from thermo.discover._discover import left_out
+from thermo.discover._discover import blind_to, left_out
+from thermo.discover._entries import Entry
+from thermo.discover._scores import Score, ScoreTable
 from thermo.discover.candidates import HeaterPower, HiddenSource
 from thermo.errors import InputError
 from thermo.inverse import Conditions, Meshing, Stepping, predict
@@ -42,6 +44,7 @@ from thermo.report import discovery_record, write_discovery
 MESHING, STEPPING = Meshing(max_nodes=1500), Stepping(tolerance=0.05)
 # The block's own steps are wrong by some 10 mK; a camera of that noise does not see them.
 NOISE = 0.1
+SETTING = Setting(box_mesh((0.02, 0.01, 0.01), (2, 1, 1)), 2700.0, 30.0, 290.0, 340.0)
 
 
 @final
@@ -283,12 +286,24 @@ def test_two_effects_are_both_named_and_their_strengths_are_those_of_one_fit(sce
 
 
 def test_kinds_of_the_library_that_are_left_out_are_told_of() -> None:
-    setting = Setting(box_mesh((0.02, 0.01, 0.01), (2, 1, 1)), 2700.0, 30.0, 290.0, 340.0)
-    every = library(setting)
-    assert left_out(every, setting) == []
-    assert left_out((*every, WarmingCamera(jnp.zeros(1))), setting) == []
-    (told,) = left_out(every[2:], setting)
+    every = library(SETTING)
+    assert left_out(every, SETTING) == []
+    assert left_out((*every, WarmingCamera(jnp.zeros(1))), SETTING) == []
+    (told,) = left_out(every[2:], SETTING)
     assert f": {every[0].card.name}, {every[1].card.name}. An effect" in told
+
+
+def test_kinds_that_no_reading_changes_with_are_told_of() -> None:
+    cards = [one.card for one in library(SETTING)[:3]]
+    entry = [
+        Entry(kind, part, cards[kind], np.array([kind])) for kind in range(3) for part in (0, 1)
+    ]
+    scores = [Score(one, 1.0, np.ones(1), 1.0, 1.0, 0.1, slice(1)) for one in entry[:3]]
+    none = np.zeros((0, 0))
+    assert blind_to(ScoreTable(scores, [], 3.0, none, none)) == []
+    # Of the second kind one part shows, of the third none.
+    (told,) = blind_to(ScoreTable(scores, entry[3:], 3.0, none, none))
+    assert f"with {cards[2].name}:" in told and cards[1].name not in told
 
 
 def test_two_candidates_of_one_name_are_refused(scene: Scene) -> None:

@@ -33,6 +33,7 @@ from thermo.discover._path import SearchPath, search
 from thermo.discover._power import powers
 from thermo.discover._registered import registered
 from thermo.discover._rounds import candidacies
+from thermo.discover._scores import ScoreTable
 from thermo.discover._softening import blocks, error_columns, stamp_columns
 from thermo.discover._standing import Standing, at_work, fitted
 from thermo.discover._told_apart import told_apart
@@ -60,6 +61,7 @@ NODES = 6000
 _LEFT_OUT: Final = (
     "Not looked for: {}. An effect that is left out may be named as one that reads like it."
 )
+_BLIND: Final = "Readings of these runs do not change with {}: nothing is known of it."
 _UNPROVED: Final = "No run is held out, so that nothing is proved."
 
 
@@ -114,7 +116,8 @@ def discover(
     cells = rough(_sizes(begun, left), _noise(begun))
     path = search(begun, tuple(one for one in every if one.card.law), pace, rough=bool(cells))
     path, proof = told_apart(path, pace)
-    path = replace(path, remarks=path.remarks + cells + left_out(every, setting))
+    told = left_out(every, setting) + blind_to(path.table)
+    path = replace(path, remarks=path.remarks + cells + told)
     return _answer(path, proof, left, time.monotonic() - started)
 
 
@@ -168,6 +171,13 @@ def left_out(every: tuple[Candidate, ...], setting: Setting) -> list[str]:
     names = {one.card.name for one in every}
     missing = [one.card.name for one in library(setting) if one.card.name not in names]
     return [_LEFT_OUT.format(", ".join(missing))] if missing else []
+
+
+def blind_to(table: ScoreTable) -> list[str]:
+    """What to say of kinds of which no part shows in the readings, a lamp's where none is lit."""
+    seen = {one.name() for one in table.scores}
+    missing = dict.fromkeys(one.card.name for one in table.unseen if one.card.name not in seen)
+    return [_BLIND.format(", ".join(missing))] if missing else []
 
 
 def _misfits(standing: Standing) -> Mapping[str, Misfit]:
