@@ -12,14 +12,7 @@ from thermo.discover._descent import Ended
 from thermo.discover._pace import MEASURE, REFIT, Pace
 from thermo.discover._scores import Score, ScoreTable, best_of_kinds, credible
 from thermo.discover._scoring import beside_laws, merged
-from thermo.discover._standing import (
-    BY_SHAPES,
-    WORTH,
-    Standing,
-    fitted,
-    share_closed,
-    without,
-)
+from thermo.discover._standing import BY_SHAPES, WORTH, Standing, fitted, share_closed, without
 from thermo.discover._trust_region import in_short_steps, kept_promise, remeasured
 
 # Of a few kinds each is refitted whose score explains this share of what the best one does, and
