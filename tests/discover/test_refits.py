@@ -130,6 +130,31 @@ def test_rivals_are_compared_under_the_error_of_cells_where_the_best_stands(
     assert together(order, 1.0, 8.0) == ["close", "best"]
 
 
+@pytest.mark.parametrize(("there", "found"), [(150.0, 45.0), (170.0, 70.0), (400.0, 70.0)])
+def test_a_fit_that_measuring_takes_back_is_made_anew_from_its_beginning(
+    monkeypatch: pytest.MonkeyPatch, there: float, found: float
+) -> None:
+    # From 200 to 40 it gained 160 by its own cells: a quarter of that has to be left.
+    begun, after = standing(200.0, 3), standing(40.0, 3)
+    measured = standing(there, 3)
+
+    def fitted(one: Standing, *, times: int) -> Standing:
+        assert one is measured and times == 0, "what cells make wrong is known there"
+        return standing(45.0, 3)
+
+    def in_short_steps(one: Standing) -> Standing:
+        assert one is begun
+        return standing(70.0, 3)
+
+    for name, fake in (
+        ("remeasured", lambda _: measured), ("fitted", fitted), ("in_short_steps", in_short_steps),
+    ):  # fmt: skip
+        monkeypatch.setattr(module, name, fake)
+    one = Refit(refit("void", 40.0, 3).score, after, begun)
+    again = module._once_more(one, silent(), 1, 2)
+    assert 2 * again.standing.ended.loss() == pytest.approx(found) and again.begun is begun
+
+
 def test_what_leaves_more_than_nothing_on_its_own_cells_is_no_rival(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

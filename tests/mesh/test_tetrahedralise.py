@@ -79,6 +79,43 @@ def test_cells_are_small_where_that_is_asked_for(cube, folder):
     assert there.sum() > 40
 
 
+@pytest.mark.parametrize(
+    ("edges", "asked", "kept"),
+    [
+        # The first whose edges are at most 2.2 times as long as wanted, or the best of four.
+        ([2.1], 1, 2.1), ([5.0, 2.0], 2, 2.0), ([5.0, 3.0, 4.0, 6.0, 1.0], 4, 3.0),
+    ],
+)  # fmt: skip
+def test_the_mesher_is_asked_again_until_cells_are_small(cube, monkeypatch, edges, asked, kept):
+    corners = np.array([[0, 0, 0], [0, 1, 1], [1, 0, 1], [1, 1, 0]]) / np.sqrt(2)
+    wanted, seen = 1e-3, []
+
+    def mesher(surface, sizing, longest, time_limit, where):
+        seen.append((sizing.fine[0].edge, longest))
+        return wanted * edges[len(seen) - 1] * corners, np.array([[0, 1, 2, 3]])
+
+    monkeypatch.setattr(module, "_run_mesher", mesher)
+    sizing = replace(COARSE, fine=(Fine(np.zeros((3, 3)), wanted),))
+    nodes, _ = module._small_enough(cube, sizing, 1.0, "cube")
+    assert np.linalg.norm(nodes[1] - nodes[0]) == pytest.approx(wanted * kept)
+    # Each time for shorter edges there, from points that lie closer.
+    assert seen == [
+        (pytest.approx(wanted * 0.6**k), pytest.approx(COARSE.core * 0.7**k)) for k in range(asked)
+    ]
+
+
+def test_without_a_place_for_small_cells_the_mesher_is_asked_once(cube, monkeypatch):
+    seen = []
+
+    def mesher(*asked):
+        seen.append(asked)
+        return np.zeros((4, 3)), np.array([[0, 1, 2, 3]])
+
+    monkeypatch.setattr(module, "_run_mesher", mesher)
+    module._small_enough(cube, COARSE, 1.0, "cube")
+    assert len(seen) == 1 and seen[0][2] == COARSE.core
+
+
 def test_of_two_processes_that_mesh_one_body_the_first_mesh_counts(
     cube, folder, tmp_path, monkeypatch
 ):
