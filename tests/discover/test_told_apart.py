@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import jax.numpy as jnp
@@ -58,15 +59,22 @@ def apart(
     *,
     cells: bool = False,
     at_rest: str = "",
+    wrong: Sequence[str] = NAMES,
+    smooth: Mapping[str, float] = MappingProxyType({}),
 ) -> tuple[SearchPath, Mapping[str, HeldOut], list[str]]:
-    """A path whose last effect is the first of some that explain the fitted runs alike."""
-    there = {name: standing(60.0, 2, active=((name, 0),)) for name in left}
+    """A path whose last effect is the first of some that explain the fitted runs alike.
+
+    Of them quiet frames speak against those that are `wrong`, and so does the variance of `smooth`
+    shapes that they leave, by name [1].
+    """
+    there = {name: standing(60.0, 2, smooth.get(name, 1.0), active=((name, 0),)) for name in left}
     first, *others = left
     told: list[str] = []
     refits = []
     for name in others:
         one = object.__new__(Refit)
         object.__setattr__(one, "standing", there[name])
+        object.__setattr__(one, "begun", standing(90.0, 2, 60.0))
         monkeypatch.setattr(Refit, "name", lambda self: self.standing.active[-1][0])
         refits.append(one)
     for one in there.values():
@@ -80,7 +88,7 @@ def apart(
         object.__setattr__(one, "point", name)
     fakes: dict[str, Any] = {
         "held_out": predicted,
-        "wrong_at_rest": lambda *_: at_rest,
+        "wrong_at_rest": lambda _, one: at_rest if one.active[-1][0] in wrong else "",
         "half_and_third": lambda *_: (None, None) if cells else None,
         "with_all": lambda refit, _: refit.standing,
         "undoubted": lambda one, _: one,
@@ -146,6 +154,41 @@ def test_a_camera_of_another_scale_is_refuted_by_what_it_read_of_a_warm_body_at_
         path, *_ = apart(monkeypatch, {"void": 1.0}, word, at_rest=told)
         assert path.word == ("none_of_mine" if told else word)
         assert path.remarks == (["before", told] if told else ["before"])
+
+
+CAMERA = "quiet frames of cooling would be 2.1 K higher than they are."
+
+
+def test_where_quiet_frames_speak_against_the_effect_at_work_one_that_explains_takes_its_place(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    left = {"hidden_source": 1.0, "sensor_lag": 1.04, "void": 1.05}
+    path, found, told = apart(
+        monkeypatch, left, "named", at_rest=CAMERA, wrong=NAMES[:1], smooth={"sensor_lag": 40.0}
+    )
+    # A slow sensor leaves two thirds of the gap.
+    assert path.word == "named" and path.rounds[0].together == ["void"]
+    assert path.standing.active == (("void", 0),) and path.rounds[0].rms_after == {"lamp": 2.0}
+    assert path.rounds[0].closed == 1.0 and path.rounds[0].effect.chance == 2.0
+    assert sizes(found) == sizes(proof(1.05)) and told == ["hidden_source", "void"]
+    assert path.remarks == ["before", f"{CAMERA} void takes the place of hidden_source."]
+
+    both, *_ = apart(monkeypatch, left, "named", at_rest=CAMERA, wrong=NAMES[:1])
+    assert both.word == "inseparable" and both.rounds[0].together == ["sensor_lag", "void"]
+
+
+def test_what_takes_a_place_has_to_hold_as_well(monkeypatch: pytest.MonkeyPatch) -> None:
+    left = {"hidden_source": 1.0, "void": 60.0}
+    monkeypatch.setattr(
+        f"{__name__}.proof", lambda *one: {"cooling": held(0.1, 0.05 * one[0], 0.5, (0.4, 0.6))}
+    )
+    path, found, _ = apart(monkeypatch, left, "named", at_rest=CAMERA, wrong=NAMES[:1])
+    assert path.word == "none_of_mine" and sizes(found) == {"cooling": 3.0}
+    assert "does not hold on cooling" in path.remarks[-1]
+    # Beside other effects than those at work nothing is known of a rival.
+    monkeypatch.setattr(_told_apart, "_rivals", lambda _: [])
+    path, *_ = apart(monkeypatch, left, "named", at_rest=CAMERA, wrong=NAMES[:1])
+    assert path.word == "none_of_mine" and path.remarks == ["before", CAMERA]
 
 
 def test_one_that_leaves_far_more_on_another_run_is_excluded(

@@ -40,8 +40,8 @@ from thermo.discover._verdict import Effect, Round, Word
 from thermo.errors import InputError
 from thermo.inverse import FINER
 
-# Named effects close this share of what is beyond noise, or leave no more than noise [1].
-_CLOSED: Final = 0.9
+CLOSED: Final = 0.9
+"""Named effects close this share of what is beyond noise, or leave no more than noise [1]."""
 
 # Chance of a false alarm by the largest score [1]. Each round has half of the one before, of this
 # and of that by smooth shapes.
@@ -406,7 +406,7 @@ def _word(begun: Standing, last: Standing, rounds: list[Round], table: ScoreTabl
     if not rounds:
         gap = _alarm(table) or begun.chance() <= BY_SHAPES
         return "none_of_mine" if gap else "no_gap"
-    unmet = share_closed(begun, last) < _CLOSED and last.chance() <= BY_SHAPES
+    unmet = share_closed(begun, last) < CLOSED and last.chance() <= BY_SHAPES
     return "none_of_mine" if unmet or collinear(rounds) else verdict_of(rounds)
 
 

@@ -13,11 +13,11 @@ from thermo.discover._at_rest import KNOWN, rest_residual
 from thermo.discover._bench import FINEST, Bench, finest
 from thermo.discover._held_out import held_out
 from thermo.discover._pace import Pace
-from thermo.discover._path import SearchPath, verdict_of
+from thermo.discover._path import CLOSED, SearchPath, verdict_of
 from thermo.discover._place_doubt import ELSEWHERE, undoubted, with_doubt
-from thermo.discover._refits import with_all
-from thermo.discover._rounds import effect_of, rms, with_joint_effects
-from thermo.discover._standing import Standing
+from thermo.discover._refits import Refit, with_all
+from thermo.discover._rounds import effect_of, rms, together, with_joint_effects
+from thermo.discover._standing import BY_SHAPES, Standing, share_closed
 from thermo.discover._verdict import HeldOut
 from thermo.inverse import FINER, NORMAL, mesh_for
 
@@ -46,16 +46,19 @@ def told_apart(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
 
     Of the last effect's rivals that explain the fitted runs as well each is predicted there too.
     One that leaves far more than another, or is refuted where another is not, is taken out of the
-    set, and where that is the effect at work, the one that leaves least takes its place. Where all
-    are refuted, on smaller cells as well, or quiet frames speak against what is at work, nothing is
-    named.
+    set, and where that is the effect at work, the one that leaves least takes its place. So does
+    the first that explains enough where quiet frames speak against the one at work. Where they do
+    against all, or all are refuted, on smaller cells as well, nothing is named.
     """
     path, proof = _without_excluded(path, pace)
     if path.word not in ("named", "inseparable"):
         return path, proof
     wrong = wrong_at_rest(path.begun, path.standing)
     if wrong:
-        return replace(path, word="none_of_mine", remarks=[*path.remarks, wrong]), proof
+        path = _right_at_rest(path, wrong, pace)
+        if path.word == "none_of_mine":
+            return path, proof
+        proof = held_out(path.standing.bench, path.begun.point, path.standing.point)
     if not any(map(refuted, proof.values())):
         return path, proof
     remarks, large = list(path.remarks), proof
@@ -95,6 +98,48 @@ def wrong_at_rest(begun: Standing, standing: Standing) -> str:
         f"{KNOWN * np.ptp(after):.2g} K higher than they are, beside those of {low}, and that is "
         f"known to {KNOWN:g} K. It is not what is missing."
     )
+
+
+def _right_at_rest(path: SearchPath, wrong: str, pace: Pace) -> SearchPath:
+    """The path with a rival of its last effect that quiet frames do not speak against.
+
+    That has to leave as little as what is named does, but not as little as the effect that was at
+    work: what the shape of a place makes wrong, an effect that is refuted may take up. Where there
+    is none nothing is named.
+    """
+    name, allowed = path.standing.active[-1][0], path.begun.allowed
+    kept: dict[str, tuple[Refit, Standing]] = {}
+    for one in filter(_explains, _rivals(path)):
+        pace.step(f"trying {one.name()} in place of {name}, which quiet frames speak against")
+        there = undoubted(with_all(one, path.standing), allowed)
+        if not wrong_at_rest(path.begun, there):
+            kept[one.name()] = one, there
+    if not kept:
+        return replace(path, word="none_of_mine", remarks=[*path.remarks, wrong])
+    best, standing = next(iter(kept.values()))
+    most = path.rounds[-1].threshold ** 2
+    names = together([one for one, _ in kept.values()], best.standing.misfit(), most)
+    remarks = [*path.remarks, f"{wrong} {best.name()} takes the place of {name}."]
+    after = _with(replace(path, remarks=remarks), standing, best.name(), names)
+    *before, last = after.rounds
+    last = replace(last, closed=share_closed(best.begun, best.standing))
+    return replace(after, rounds=[*before, last])
+
+
+def _explains(one: Refit) -> bool:
+    """Whether an effect closes as much of a gap as what is named has to, or leaves noise."""
+    closed = share_closed(one.begun, one.standing)
+    return closed >= CLOSED or one.standing.chance() > BY_SHAPES
+
+
+def _rivals(path: SearchPath) -> list[Refit]:
+    """Of the last effect, those beside the same others that are not at work."""
+    *others, last = path.standing.active
+    return [
+        one
+        for one in path.rivals
+        if list(one.standing.active[:-1]) == others and one.name() != last[0]
+    ]
 
 
 def half_and_third(bench: Bench, begun: Bench) -> tuple[Bench, Bench] | None:
@@ -143,8 +188,8 @@ def _without_excluded(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
         return path, proof
     name, together = path.rounds[-1].effect.card.name, path.rounds[-1].together
     there = {name: (path.standing, proof)}
-    for one in path.rivals:
-        if one.name() in together and one.name() != name:
+    for one in _rivals(path):
+        if one.name() in together:
             pace.step(f"predicting held-out runs with {one.name()} in place of {name}")
             standing = undoubted(with_all(one, path.standing), path.begun.allowed)
             there[one.name()] = standing, held_out(standing.bench, begun, standing.point)
