@@ -2,6 +2,7 @@
 
     python benchmarks/hidden_effects.py [--out FOLDER] [--clean 200] [--draws 10] [--share 0/2]
     python benchmarks/hidden_effects.py --others --clean 12 --draws 2 [--out FOLDER]
+    python benchmarks/hidden_effects.py --surfaces GEOMETRY --clean 8 --draws 2 [--out FOLDER]
 
 Five bodies, three kinds of noise; recordings by scikit-fem in quadratic functions on structured
 tetrahedra and by TR-BDF2, none of which is the project's own solver, corrected by what shorter
@@ -12,6 +13,7 @@ A case whose result lies in FOLDER is not made again, so that the suite can be i
 `--share 0/2` and `--share 1/2` make its halves side by side, body by body, since the cases of one
 body share compiled programs. `--table` adds what FOLDER holds to the tables in benchmarks/results.
 `--others` takes two other bodies of two other materials: nothing of the search was settled on them.
+`--surfaces` takes bodies from files: bracket, pinion, spot and rocker_arm in the folder GEOMETRY.
 `--check` prints how exact the recordings are: what the last cut of cells and steps changed.
 """
 
@@ -25,7 +27,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from hidden._scenes import OTHERS, SHAPES, Case, Made, cases, exactness, make, the_body
+from hidden._bodies import FILES
+from hidden._scenes import OTHERS, SHAPES, SURFACES, Case, Made, cases, exactness, make, the_body
 
 from thermo.discover import Verdict, discover
 from thermo.inverse import Meshing
@@ -46,8 +49,13 @@ def main() -> None:
     parser.add_argument("--table", action="store_true")
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--others", action="store_true")
+    parser.add_argument("--surfaces", type=Path)
     asked = parser.parse_args()
-    bodies = OTHERS if asked.others else SHAPES
+    bodies, table = (OTHERS, "_others") if asked.others else (SHAPES, "")
+    if asked.surfaces:
+        bodies, table = SURFACES, "_surfaces"
+        kept = asked.out / "meshes"
+        FILES.update((one, (surface_of(asked.surfaces, one), kept)) for one in bodies)
     if asked.check:
         for what, apart in exactness(bodies):
             print(f"{what}: {1e3 * apart:.2g} mK", flush=True)
@@ -55,13 +63,23 @@ def main() -> None:
     suite = cases(asked.clean, asked.draws, bodies)
     if asked.table:
         rows = [one for case in suite if (one := result(asked.out, case))]
-        write_tables(rows, "hidden_effects_others" if asked.others else "hidden_effects")
+        write_tables(rows, f"hidden_effects{table}")
         return
     part, parts = map(int, asked.share.split("/"))
     for number, case in enumerate(suite):
         mine = number * parts // len(suite) == part and asked.only in case.name()
         if mine and not result(asked.out, case):
             run(case, asked.out)
+
+
+def surface_of(folder: Path, name: str) -> Path:
+    """The file of a body's surface."""
+    found = sorted(
+        one for one in folder.glob(f"{name}.*") if one.suffix in (".ply", ".off", ".obj")
+    )
+    if not found:
+        raise SystemExit(f"{folder} holds no {name}.ply, .off or .obj: give the folder of geometry")
+    return found[0]
 
 
 def result(out: Path, case: Case) -> dict[str, Any] | None:

@@ -1,13 +1,26 @@
-"""Bodies as structured tetrahedra, quadratic functions on them, and points to read."""
+"""Bodies as tetrahedra, quadratic functions on them, and points to read."""
 
 from __future__ import annotations
 
+import tempfile
 from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 
 import numpy as np
 import trimesh
 from scipy.sparse import csr_array
 from skfem import Basis, ElementTetP2, FacetBasis, MeshTet
+
+from thermo.mesh import Sizing, read_surface, tetrahedralise
+
+FILES: dict[str, tuple[Path, Path]] = {}
+"""Surfaces that are bodies as well, by name, with the folder that keeps their cells."""
+
+LONGEST = 0.05
+"""Longest side of a body whose surface is a file [m]."""
+EDGES = Sizing(0.0035, 0.006, 0.004, 1e-4)
+"""Of its cells [m]; none of a fit's are like these."""
 
 
 def body_mesh(shape: str, layers: int = 1) -> MeshTet:
@@ -63,7 +76,22 @@ def body_mesh(shape: str, layers: int = 1) -> MeshTet:
             )
             x, y, z = mesh.p
             return MeshTet(np.stack([x, y, 0.006 + (z - 1) * (0.0105 + 0.25 * x)]), mesh.t)
+    if shape in FILES:
+        return filled(*FILES[shape])
     raise ValueError(f"no body is called {shape}")
+
+
+@cache
+def filled(file: Path, cache: Path) -> MeshTet:
+    """A surface about the origin, filled once with unstructured tetrahedra [m]."""
+    surface = trimesh.load_mesh(file, process=True)
+    surface.apply_translation(-surface.bounds.mean(0))
+    surface.apply_scale(LONGEST / surface.extents.max())
+    with tempfile.TemporaryDirectory() as folder:
+        scaled = Path(folder) / "scaled.ply"
+        surface.export(scaled)
+        made = tetrahedralise(read_surface(scaled), EDGES, cache=cache)
+    return MeshTet(np.ascontiguousarray(made.nodes.T), np.ascontiguousarray(made.cells.T))
 
 
 @dataclass(frozen=True)
