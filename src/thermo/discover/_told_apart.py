@@ -186,10 +186,10 @@ def _without_excluded(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
     proof = held_out(path.standing.bench, begun, path.standing.point)
     if path.word != "inseparable" or not proof:
         return path, proof
-    name, together = path.rounds[-1].effect.card.name, path.rounds[-1].together
+    name, alike = path.rounds[-1].effect.card.name, path.rounds[-1].together
     there = {name: (path.standing, proof)}
     for one in _rivals(path):
-        if one.name() in together:
+        if one.name() in alike:
             pace.step(f"predicting held-out runs with {one.name()} in place of {name}")
             standing = undoubted(with_all(one, path.standing), path.begun.allowed)
             there[one.name()] = standing, held_out(standing.bench, begun, standing.point)
@@ -197,7 +197,7 @@ def _without_excluded(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
     out = excluded(proofs)
     if not out:
         return path, proof
-    kept = [each for each in together if each not in out]
+    kept = [each for each in alike if each not in out]
     best = min((each for each in kept if each in there), key=lambda each: excess(proofs[each]))
     remarks = [*path.remarks, _excluded(best, there[best][1], out)]
     return _with(replace(path, remarks=remarks), there[best][0], best, kept), there[best][1]
