@@ -36,7 +36,7 @@ SURFACES = {
 """Bodies whose surfaces are files of a folder: parts with holes and teeth, a cow, a casting."""
 
 CURVED = ("dome", "arch", "pinion", "spot", "rocker_arm")
-"""Bodies on which no lamp meets a flat face."""
+"""Bodies on which a lamp may meet no flat face."""
 
 MATERIALS = {
     "steel": (7900.0, 500.0, 15.1), "titanium": (4430.0, 560.0, 6.7),

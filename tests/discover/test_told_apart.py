@@ -21,6 +21,7 @@ from verdicts import held, one_round
 from thermo.discover import Calibration, HeldOut, _told_apart
 from thermo.discover._at_rest import KNOWN
 from thermo.discover._bench import Bench
+from thermo.discover._entries import Active
 from thermo.discover._pace import silent
 from thermo.discover._path import SearchPath
 from thermo.discover._refits import Refit
@@ -61,13 +62,17 @@ def apart(
     at_rest: str = "",
     wrong: Sequence[str] = NAMES,
     smooth: Mapping[str, float] = MappingProxyType({}),
+    fitted: Mapping[str, tuple[Active, ...]] = MappingProxyType({}),
 ) -> tuple[SearchPath, Mapping[str, HeldOut], list[str]]:
     """A path whose last effect is the first of some that explain the fitted runs alike.
 
     Of them quiet frames speak against those that are `wrong`, and so does the variance of `smooth`
-    shapes that they leave, by name [1].
+    shapes that they leave, by name [1]. Rivals were `fitted` beside nothing, if not beside others.
     """
-    there = {name: standing(60.0, 2, smooth.get(name, 1.0), active=((name, 0),)) for name in left}
+    there = {
+        name: standing(60.0, 2, smooth.get(name, 1.0), active=fitted.get(name, ((name, 0),)))
+        for name in left
+    }
     first, *others = left
     told: list[str] = []
     refits = []
@@ -185,10 +190,19 @@ def test_what_takes_a_place_has_to_hold_as_well(monkeypatch: pytest.MonkeyPatch)
     path, found, _ = apart(monkeypatch, left, "named", at_rest=CAMERA, wrong=NAMES[:1])
     assert path.word == "none_of_mine" and sizes(found) == {"cooling": 3.0}
     assert "does not hold on cooling" in path.remarks[-1]
-    # Beside other effects than those at work nothing is known of a rival.
-    monkeypatch.setattr(_told_apart, "_rivals", lambda _: [])
-    path, *_ = apart(monkeypatch, left, "named", at_rest=CAMERA, wrong=NAMES[:1])
-    assert path.word == "none_of_mine" and path.remarks == ["before", CAMERA]
+
+
+def test_beside_other_effects_than_those_at_work_nothing_is_known_of_a_rival(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    left = {"hidden_source": 1.0, "void": 1.0}
+    # Of the pair that a rival was fitted in one effect has been taken out since.
+    pair = (("radiation", 0), ("void", 0))
+    for active, word in (((("void", 0),), "named"), (pair, "none_of_mine")):
+        path, *_ = apart(
+            monkeypatch, left, "named", at_rest=CAMERA, wrong=NAMES[:1], fitted={"void": active}
+        )
+        assert path.word == word and CAMERA in path.remarks[1]
 
 
 def test_one_that_leaves_far_more_on_another_run_is_excluded(

@@ -107,11 +107,11 @@ def _right_at_rest(path: SearchPath, wrong: str, pace: Pace) -> SearchPath:
     work: what the shape of a place makes wrong, an effect that is refuted may take up. Where there
     is none nothing is named.
     """
-    name, allowed = path.standing.active[-1][0], path.begun.allowed
+    name = path.standing.active[-1][0]
     kept: dict[str, tuple[Refit, Standing]] = {}
     for one in filter(_explains, _rivals(path)):
         pace.step(f"trying {one.name()} in place of {name}, which quiet frames speak against")
-        there = undoubted(with_all(one, path.standing), allowed)
+        there = _in_place(path, one)
         if not wrong_at_rest(path.begun, there):
             kept[one.name()] = one, there
     if not kept:
@@ -130,6 +130,11 @@ def _explains(one: Refit) -> bool:
     """Whether an effect closes as much of a gap as what is named has to, or leaves noise."""
     closed = share_closed(one.begun, one.standing)
     return closed >= CLOSED or one.standing.chance() > BY_SHAPES
+
+
+def _in_place(path: SearchPath, rival: Refit) -> Standing:
+    """The standing with a rival of the last effect at work, no doubt about places allowed for."""
+    return undoubted(with_all(rival, path.standing), path.begun.allowed)
 
 
 def _rivals(path: SearchPath) -> list[Refit]:
@@ -191,7 +196,7 @@ def _without_excluded(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
     for one in _rivals(path):
         if one.name() in alike:
             pace.step(f"predicting held-out runs with {one.name()} in place of {name}")
-            standing = undoubted(with_all(one, path.standing), path.begun.allowed)
+            standing = _in_place(path, one)
             there[one.name()] = standing, held_out(standing.bench, begun, standing.point)
     proofs = {each: found for each, (_, found) in there.items()}
     out = excluded(proofs)
