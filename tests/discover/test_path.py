@@ -49,22 +49,28 @@ def searched(
     late: bool = False,
     told: Sequence[str] = (),
     doubted: list[Standing] | None = None,
-    scored: list[Standing] | None = None,
+    clear: int = 0,
+    asked: list[ScoreTable] | None = None,
 ) -> SearchPath:
     """A search whose standings leave so much, with so many alarms by scores.
 
     Where the first one is `slight`, or one that comes `late`, it is checked on the next of the
-    standings. Rivals are `told` to take places; what is `doubted` or `scored` is told as well.
+    standings. Rivals are `told` to take places; what is `doubted` is told as well. Beside places
+    that leave no misfit, whose tables are `asked`, the first `clear` ones tell of an effect.
     """
     doubts = [] if doubted is None else doubted
-    scores = [] if scored is None else scored
+    tables = [] if asked is None else asked
     standings = [standing(told + 50.0, 2, smooth=told) for told in left]
     table = ScoreTable([], [], 3.4, np.zeros((0, 0)), np.zeros((0, 0)))
+    nothing = replace(table)
     raised = iter([True] * alarms + [False] * 9)
     made, order = iter(rounds), iter(standings[1:])
     fakes: dict[str, Any] = {
-        "scored": lambda made, *_, **__: scores.append(made) or table,
-        "_alarm": lambda _: next(raised),
+        "scored": lambda *_, **__: table,
+        "clear_of_shapes": lambda made, _: (
+            tables.append(made) or (made if len(tables) <= clear else nothing)
+        ),
+        "_alarm": lambda made: made is not nothing and next(raised),
         "_slight": lambda made, _, rough: rough and late is not (made is standings[0]),
         "checked": lambda *_, **__: (next(order), table),
         "refits": lambda *_: [None],
@@ -156,17 +162,20 @@ def test_a_second_effect_that_may_be_nothing_ends_the_search(
     assert path.word == "named" and len(path.rounds) == 1 and len(path.remarks) == 1
 
 
-@pytest.mark.parametrize(("left", "count"), [(1.5, 1), (500.0, 2)])
-def test_beside_a_place_a_score_alone_is_no_alarm(
-    monkeypatch: pytest.MonkeyPatch, left: float, count: int
+@pytest.mark.parametrize(
+    ("left", "clear", "count"), [(1.5, 0, 1), (1.5, 1, 2), (1.5, 2, 3), (500.0, 0, 3)]
+)
+def test_beside_a_place_that_leaves_no_misfit_only_what_is_clear_of_it_is_looked_at(
+    monkeypatch: pytest.MonkeyPatch, left: float, clear: int, count: int
 ) -> None:
-    rounds = [found(0.1, 0.5, 0.9), found(0.2, 0.3, 0.9)]
-    scored: list[Standing] = []
-    more = {"place": True, "scored": scored}
-    path = searched(monkeypatch, [5000.0, left, 1.0], rounds, alarms=2, **more)
+    rounds = [found(0.1, 0.5, 0.9), found(0.2, 0.3, 0.9), found(0.3, 0.4, 0.9)]
+    asked: list[ScoreTable] = []
+    more = {"place": True, "clear": clear, "asked": asked}
+    path = searched(monkeypatch, [5000.0, left, left, 1.0], rounds, alarms=9, **more)
     assert path.word == "named" and len(path.rounds) == count
-    # Where shapes are quiet beside a place, no score is taken.
-    assert len(scored) == count and "nothing more was looked for" in path.remarks[-1]
+    # Where shapes are quiet beside a place, and there alone.
+    assert len(asked) == (0 if left > 100 else min(count, 2))
+    assert ("nothing more was looked for" in "".join(path.remarks)) is (count < 3)
 
 
 def test_a_fault_of_the_record_is_told_of_and_not_named(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -234,18 +243,18 @@ def test_what_only_cells_raise_is_told(
     remarks: list[str] = []
     # A score to the side on which its strength cannot be raises no alarm, however large.
     before = beside(table_of(4.2), table_of(-9.0, Void.card))
-    last, anew = _path.checked(began, began, 0.04, (), before, silent(), remarks, rough=False)
+    last, anew = _path.checked(began, began, 1.0, (), before, silent(), remarks, rough=False)
     assert measured == [1] and last.bench is smaller and anew.scores[0].z == z
     assert (remarks == []) is (z > 3.4)
     assert all("4.2 passed the threshold" in one for one in remarks)
     scattered: list[str] = []
-    _path.checked(began, began, 0.04, (), before, silent(), scattered, rough=True)
+    _path.checked(began, began, 1.0, (), before, silent(), scattered, rough=True)
     assert "scatter 1.7 times as far" in scattered[0] and scattered[1:] == remarks
     there = replace(began, bench=replace(usual, ready=replace(usual.ready, grids={})))
-    same = _path.checked(began, there, 0.04, (), before, silent(), [], rough=False)
+    same = _path.checked(began, there, 1.0, (), before, silent(), [], rough=False)
     assert same == (began, before), "on another mesh than where it began"
     monkeypatch.setattr(_path, "finest", lambda bench: bench)
-    same = _path.checked(began, began, 0.04, (), before, silent(), [], rough=False)
+    same = _path.checked(began, began, 1.0, (), before, silent(), [], rough=False)
     assert same == (began, before), "no smaller cells"
 
 

@@ -7,14 +7,23 @@ from dataclasses import replace
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from lit_box import at, one
+from lit_box import at, one, within
 
 from thermo.discover import Place, _place_doubt
 from thermo.discover._allowance import Allowance, allowance
 from thermo.discover._candidate import Transition
+from thermo.discover._entries import Entry
 from thermo.discover._extended import Extended, readings, whitened
-from thermo.discover._place_doubt import with_doubt
-from thermo.discover.candidates import CameraEmissivity, InDepthAbsorption, LocalConvection
+from thermo.discover._place_doubt import clear_of_shapes, with_doubt
+from thermo.discover._scores import Score, ScoreTable
+from thermo.discover.candidates import (
+    CameraEmissivity,
+    HeaterPower,
+    InDepthAbsorption,
+    LatentHeat,
+    LocalConvection,
+    Void,
+)
 from thermo.inverse import Objective, penalty
 
 from .lit_objective import objective as made
@@ -122,3 +131,41 @@ def test_columns_beside_others_are_allowed_for_as_all_together() -> None:
     parts = _place_doubt.beside(allowance([], errors[:, :2]), errors[:, 2:])
     assert isinstance(parts, Allowance)
     np.testing.assert_allclose(parts.whiten(values), whole.whiten(values), atol=1e-10)
+
+
+def scores_of(**scores: float) -> ScoreTable:
+    kinds = {"void": Void.card, "heater_power": HeaterPower.card, "latent_heat": LatentHeat.card,
+             "in_depth_absorption": InDepthAbsorption.card}  # fmt: skip
+    made = [
+        Score(Entry(0, 0, kinds[name], np.array([0])), z, np.ones(1), 0.2, 1.0, 0.3, slice(0, 1))
+        for name, z in scores.items()
+    ]
+    return ScoreTable(made, [], 3.5, np.eye(1), np.zeros((9, 1)))
+
+
+@pytest.mark.parametrize(
+    ("scores", "kept"),
+    [
+        ({"void": 90.0, "heater_power": 10.4}, []),
+        ({"void": 90.0, "heater_power": -10.6}, ["heater_power"]),
+        ({"heater_power": 5.0, "latent_heat": 10.6}, ["heater_power", "latent_heat"]),
+        ({"in_depth_absorption": 11.0, "void": 9.0}, ["in_depth_absorption"]),
+        # Nothing absorbs less than none of its light below the surface.
+        ({"in_depth_absorption": -11.0, "heater_power": 4.0}, []),
+        ({}, []),
+    ],
+)
+def test_beside_places_a_score_of_what_is_all_over_the_body_tells_where_it_is_large(
+    scores: dict[str, float], kept: list[str]
+) -> None:
+    zero = jnp.zeros(1)
+    kinds = {
+        "void": Void(zero, within((0.01, 0.01, 0.01), [0.002, 0.002, 0.002])),
+        "heater_power": HeaterPower(zero),
+        "latent_heat": LatentHeat(zero, Transition(zero, zero), jnp.array(2700.0)),
+        "in_depth_absorption": InDepthAbsorption(zero, Place(None, zero)),
+    }
+    table = scores_of(**scores)
+    left = clear_of_shapes(table, kinds)
+    assert [one.name() for one in left.scores] == kept
+    assert left.threshold == table.threshold, "what rivals are compared by stays"

@@ -29,7 +29,7 @@ def standing(
     allowed = Allowance([block], np.zeros((VALUES, 0)), np.zeros(0))
     for name, value in [
         ("ended", Ended(NOTHING, residual, np.zeros((VALUES, free)))), ("allowed", allowed),
-        ("active", active), ("point", NOTHING), ("bench", object.__new__(Bench)),
+        ("active", active), ("point", NOTHING), ("bench", object.__new__(Bench)), ("first", {}),
     ]:  # fmt: skip
         object.__setattr__(made, name, value)
     return made

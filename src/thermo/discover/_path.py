@@ -14,7 +14,13 @@ from thermo.discover._calibration import Calibration, calibration
 from thermo.discover._candidate import Candidate, Inclusion, Place
 from thermo.discover._entries import Active
 from thermo.discover._pace import Pace
-from thermo.discover._place_doubt import ELSEWHERE, undoubted, with_doubt
+from thermo.discover._place_doubt import (
+    CLEAR,
+    ELSEWHERE,
+    clear_of_shapes,
+    undoubted,
+    with_doubt,
+)
 from thermo.discover._projection import projection
 from thermo.discover._refits import Refit, refits, with_all
 from thermo.discover._replacement import replaced, rivals_of
@@ -53,7 +59,8 @@ _REACH: Final = 0.25
 _FINE: Final = (
     "What is left in smooth shapes is no more than noise and what the shapes of places may make "
     f"wrong, {100 * ELSEWHERE:g} % of an effect elsewhere. Scores beside a place come from its "
-    "edges as well, and nothing more was looked for."
+    f"edges as well; none of what is all over the body passed the threshold {CLEAR:g} times, and "
+    "nothing more was looked for."
 )
 # What the finer cells are still wrong by may pass the threshold, hardly so many times [1].
 _SLIGHT: Final = 3.0
@@ -113,14 +120,11 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace, *, rough: b
     settled = doubted = begun
     for number in range(_ROUNDS):
         share = 0.5**number
-        if placed(standing) and standing.chance() > share * BY_SHAPES:
-            remarks.append(_FINE)
-            break
         pace.step(f"scoring all candidates, round {number + 1} of {_ROUNDS} at the most")
-        table = scored(standing, laws, alpha=share * _BY_SCORE)
+        table = told_by(standing, laws, share)
         if not tried and _slight(standing, table, rough):
-            tried, alpha = True, share * _BY_SCORE
-            checking = standing, begun, alpha, laws, table, pace, remarks
+            tried = True
+            checking = standing, begun, share, laws, table, pace, remarks
             standing, table = checked(*checking, rough=rough)
             begun = begun if number else standing
         tables.append(table)
@@ -173,7 +177,7 @@ def _told(one: Round, pace: Pace) -> Round:
 def checked(
     standing: Standing,
     begun: Standing,
-    alpha: float,
+    share: float,
     laws: tuple[Candidate, ...],
     table: ScoreTable,
     pace: Pace,
@@ -186,20 +190,30 @@ def checked(
     Near a lamp that has just been lit heat has not gone as deep as a cell is wide, and what is left
     of the error there may look like a slow lamp; at an inner edge that is lit errors fall slowly.
     Where there can be none, or a search is not on the mesh any more on which it had `begun`, all
-    stays as it is. `alpha`: chance of a false alarm [1].
+    stays as it is. `share`: as for `told_by`.
     """
     pace.step("checking a slight alarm on smaller cells")
     bench = finest(standing.bench)
     if bench is standing.bench or bench.ready is not begun.bench.ready:
         return standing, table
     standing = refined(standing, bench, rough=rough)
-    anew = scored(standing, laws, alpha=alpha)
+    anew = told_by(standing, laws, share)
     raised = [abs(one.z) for one in table.scores if credible(one, table.threshold)]
     if standing.bench.scatter > _FAR:
         remarks.append(_SCATTER.format(FINEST, standing.bench.scatter))
     if raised and not _alarm(anew):
         remarks.append(_CELLS.format(max(raised), FINER, FINEST))
     return standing, anew
+
+
+def told_by(standing: Standing, laws: tuple[Candidate, ...], share: float) -> ScoreTable:
+    """The scores that tell of an effect more; beside places that leave no misfit, those far beyond.
+
+    `share`: of the chance of a false alarm that a round has [1].
+    """
+    table = scored(standing, laws, alpha=share * _BY_SCORE)
+    fine = placed(standing) and standing.chance() > share * BY_SHAPES
+    return clear_of_shapes(table, standing.first) if fine else table
 
 
 def _slight(standing: Standing, table: ScoreTable, rough: bool) -> bool:
@@ -312,7 +326,7 @@ def pruned(
 def _at_rest(standing: Standing, table: ScoreTable, calm: bool) -> list[str] | None:
     """What there is to say where nothing more is looked for; None where something is."""
     if not _alarm(table) and calm:
-        return []
+        return [_FINE] if placed(standing) else []
     if standing.active and _out_of_reach(standing, table):
         return [_rest(None)]
     return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final
 
@@ -11,13 +12,17 @@ from jaxtyping import Float
 
 from thermo.discover._allowance import Allowance, beside
 from thermo.discover._bench import read_there, steps_for
-from thermo.discover._candidate import Transition, Where
+from thermo.discover._candidate import Candidate, Inclusion, Place, Transition, Where
 from thermo.discover._entries import Active
 from thermo.discover._extended import Extended, whitened
+from thermo.discover._scores import ScoreTable, credible
 from thermo.discover._standing import Standing, box_of, fitted, with_few_places
 
 ELSEWHERE: Final = 0.15
 """As much of an effect may be elsewhere than its place says [1]."""
+
+CLEAR: Final = 3.0
+"""What passes the threshold so many times and is all over the body comes from no edge [1]."""
 
 # Sizes over the found one [1].
 _SIZES: Final = (0.5, 2.0)
@@ -50,6 +55,23 @@ def with_doubt(standing: Standing, allowed: Allowance) -> Standing:
         # A simulation that bursts elsewhere tells of no error.
         made[: len(white), number] = white if np.isfinite(white).all() else 0.0
     return fitted(replace(standing, allowed=beside(allowed, made)), times=0)
+
+
+def clear_of_shapes(table: ScoreTable, kinds: Mapping[str, Candidate]) -> ScoreTable:
+    """The scores of what is all over the body, where one is far too large for edges; else none.
+
+    Where the smooth shapes that are left may come from a place's, so may scores somewhat beyond the
+    threshold, as edges are finer than what is allowed for. What is all over the body they resemble
+    less than another place beside them. `kinds`: candidates by name.
+    """
+    over_all = [one for one in table.scores if not _about_a_centre(kinds[one.name()].place)]
+    clear = any(credible(one, CLEAR * table.threshold) for one in over_all)
+    return replace(table, scores=over_all if clear else [])
+
+
+def _about_a_centre(place: Where | None) -> bool:
+    """Whether it is at one place in the body rather than all over it, or at all of a side."""
+    return isinstance(place, Inclusion) or (isinstance(place, Place) and place.centre is not None)
 
 
 def undoubted(standing: Standing, allowed: Allowance) -> Standing:
