@@ -6,9 +6,11 @@ from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from jax.flatten_util import ravel_pytree
 from lit_box import MESH, STATED, within
 from standings import VALUES, standing
 
@@ -336,3 +338,35 @@ def test_a_rival_is_put_to_work_where_the_effect_was(
     assert there.active == (("heater_power", 0), ("void", 0))
     # The loss is 50; what is fitted less by four may leave that much more, times the misfit.
     assert worst == pytest.approx(50.0 + 2 * (12.0 / 2 + 4))
+
+
+@pytest.mark.parametrize("moved", [0.9, -1.2, 9.0])
+@pytest.mark.parametrize("better", [True, False])
+def test_where_a_coefficient_was_drawn_far_a_fit_begins_where_the_scene_puts_it_as_well(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, moved: float, better: bool
+) -> None:
+    bench = Bench(box_task(tmp_path), Ready(MESH, STATED, {}, {}, {}, {}), objective(), MESH)
+    power = HeaterPower(jnp.zeros(1))
+    first = bench.first(())
+    drawn = jax.tree.map(lambda leaf: leaf + moved, first.fields)
+    made = standing(100.0, 2)
+    here = Standing(bench, {}, Extended(drawn, (power,)), (), made.ended, made.allowed)
+    begins: list[float] = []
+
+    def fitted(there: Standing, *, times: int, rival: float) -> Standing:
+        assert times == 0 and there.active == (("heater_power", 0),)
+        apart = jax.tree.map(lambda one, other: one - other, there.point.fields, first.fields)
+        begins.append(float(ravel_pytree(apart)[0].max()))
+        # The second is not followed where it cannot leave less than the first.
+        assert rival == pytest.approx(70.0 if len(begins) == 1 else 30.0)
+        left = 60.0 if len(begins) == 1 else 40.0 if better else 90.0
+        return replace(there, ended=standing(left, 3).ended)
+
+    monkeypatch.setattr(module, "fitted", fitted)
+    score = replace(refit("some", 60.0, 3).score, entry=Entry(0, 0, power.card, np.array([0])))
+    one = module._put_to_work(here, score, (), 70.0)
+    far = abs(moved) > 1.1
+    assert begins == pytest.approx([moved, 0.0] if far else [moved])
+    assert one.standing.ended.loss() == pytest.approx(20.0 if far and better else 30.0)
+    at = ravel_pytree(one.begun.point.fields)[0] - ravel_pytree(first.fields)[0]
+    np.testing.assert_allclose(at, 0.0 if far and better else moved, atol=1e-12)

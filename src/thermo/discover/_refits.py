@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Final, final
 
 import numpy as np
+from jax.flatten_util import ravel_pytree
 
 from thermo.discover._candidate import Candidate
 from thermo.discover._descent import Ended
@@ -26,6 +27,9 @@ _MORE: Final = 5.0
 _MORE_WITH_PLACE: Final = 10.0
 # The same over that where no fit explains enough: scores are far from linear then.
 _FAR: Final = 10.0
+# Logarithm of how far a coefficient is drawn before fits begin where the scene puts it as well [1]:
+# a factor of three, which a rough first guess is hardly wrong by.
+_ASTRAY: Final = 1.1
 # Kinds near the best of which what cells make wrong is measured anew [1].
 _MEASURED: Final = 3
 # Of what the best gains by the criterion, how far behind one may be to be measured anew [1].
@@ -128,7 +132,25 @@ def _put_to_work(
         point = beside_laws(standing, laws)
     active = (*standing.active, (card.name, score.entry.part))
     there = replace(standing, point=point, active=active)
-    return Refit(score, fitted(there, times=0, rival=rival), there)
+    made = Refit(score, fitted(there, times=0, rival=rival), there)
+    if not far_from_first(standing):
+        return made
+    again = replace(there, point=replace(point, fields=standing.bench.first(()).fields))
+    rival = min(rival, made.standing.ended.loss())
+    other = Refit(score, fitted(again, times=0, rival=rival), again)
+    return min(made, other, key=lambda one: one.standing.ended.loss())
+
+
+def far_from_first(standing: Standing) -> bool:
+    """Whether what is missing has drawn a coefficient far from where the scene puts it.
+
+    A fit that begins there may end in another valley than one that begins where the scene says.
+    """
+    first, here = (
+        np.asarray(ravel_pytree(fields)[0])
+        for fields in (standing.bench.first(()).fields, standing.point.fields)
+    )
+    return bool(np.any(np.abs(here - first) > _ASTRAY))
 
 
 def _once_more(one: Refit, pace: Pace, number: int, count: int) -> Refit:
