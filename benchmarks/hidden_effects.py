@@ -219,10 +219,10 @@ def write_tables(rows: list[dict[str, Any]], name: str) -> None:
     for row in rows:
         first = row["interval"][0] if row["interval"] else (None, None)
         numbers = [row["strength"][0] if row["strength"] else None, *first, *row["held_out"]]
-        short = [None if one is None else f"{one:.4g}" for one in numbers]
+        short = [None if one is None else f"{one:.5g}" for one in numbers]
         lines[row["case"]] = [
             row["case"], row["material"], " ".join(f"{one:.0f}" for one in row["visible"]),
-            " ".join(f"{one:.3g}" for one in row["true_strength"]), row["verdict"],
+            " ".join(f"{one:.5g}" for one in row["true_strength"]), row["verdict"],
             "; ".join(" ".join(one) for one in row["sets"]), *short[:3], right(row),
             alone(row["by_correlation"], row), alone(row["by_bic"], row), *short[3:],
             f"{row['seconds']:.0f}", " ".join(f"{off:.3f}" for off in places_off(row)),

@@ -107,11 +107,11 @@ def support_contact(random: np.random.Generator, body: Body) -> Hidden:
     low, depth = body.skin_at[:, axis].min(), 0.1 * np.ptp(body.skin_at[:, axis])
     near = body.skin_at[:, axis] < low + depth
     # The edge falls between points of the rule, which hold a few per cent more or less than lies
-    # within it.
-    share = _area_below(body, axis, low + depth) / body.skin_weight[near].sum()
+    # within it: over these the strength is as much less or more.
+    strength *= _area_below(body, axis, low + depth) / body.skin_weight[near].sum()
 
     def shape(at: np.ndarray) -> np.ndarray:
-        return share * strength * (at[:, axis] < low + depth)
+        return strength * (at[:, axis] < low + depth)
 
     where = tuple(np.average(body.skin_at[near], axis=0, weights=body.skin_weight[near]))
     return Hidden(
