@@ -12,11 +12,11 @@ from jaxtyping import Float
 
 from thermo.discover._allowance import Allowance, beside
 from thermo.discover._bench import read_there, steps_for
-from thermo.discover._candidate import Candidate, Inclusion, Place, Transition, Where
+from thermo.discover._candidate import Candidate, Transition, Where
 from thermo.discover._entries import Active
 from thermo.discover._extended import Extended, whitened
 from thermo.discover._scores import ScoreTable, credible
-from thermo.discover._standing import Standing, box_of, fitted, with_few_places
+from thermo.discover._standing import Standing, box_of, fitted, has_places, with_few_places
 
 ELSEWHERE: Final = 0.15
 """As much of an effect may be elsewhere than its place says [1]."""
@@ -64,14 +64,14 @@ def clear_of_shapes(table: ScoreTable, kinds: Mapping[str, Candidate]) -> ScoreT
     threshold, as edges are finer than what is allowed for. What is all over the body they resemble
     less than another place beside them. `kinds`: candidates by name.
     """
-    over_all = [one for one in table.scores if not _about_a_centre(kinds[one.name()].place)]
+    over_all = [one for one in table.scores if not _within(kinds[one.name()])]
     clear = any(credible(one, CLEAR * table.threshold) for one in over_all)
     return replace(table, scores=over_all if clear else [])
 
 
-def _about_a_centre(place: Where | None) -> bool:
-    """Whether it is at one place in the body rather than all over it, or at all of a side."""
-    return isinstance(place, Inclusion) or (isinstance(place, Place) and place.centre is not None)
+def _within(kind: Candidate) -> bool:
+    """Whether its parts are at places in the body, and not all over it or at all of a side."""
+    return has_places(kind) and not isinstance(kind.place, Transition)
 
 
 def undoubted(standing: Standing, allowed: Allowance) -> Standing:
