@@ -8,6 +8,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 from jax.flatten_util import ravel_pytree
 
 from thermo.discover import _descent
@@ -117,6 +120,63 @@ def test_bounds_hold_and_the_rest_goes_on(monkeypatch: pytest.MonkeyPatch, real:
         -1.0, 1.0,
     )  # fmt: skip
     np.testing.assert_allclose(np.asarray(ravel_pytree(ended.point)[0]), [1.0, 0.2], atol=1e-3)
+
+
+def test_along_a_bound_the_rest_makes_up_for_what_ends_there(
+    monkeypatch: pytest.MonkeyPatch, real: Objective
+) -> None:
+    # The sum is seen three hundred times better than each, and the least of all lies outside.
+    def hidden(at: jax.Array) -> jax.Array:
+        return jnp.stack([300 * (at[0] + at[1] - 1), at[0] - 4, at[1] + 3, jnp.asarray(50.0)])
+
+    ended, trials = least(monkeypatch, real, hidden, [0.8, 0.2], [False, False], -0.9, 0.9)
+    found = np.asarray(ravel_pytree(ended.point)[0])
+    np.testing.assert_allclose(found, [0.9, 0.1], atol=1e-3)
+    assert trials <= 4
+
+
+@given(
+    slopes=arrays(float, (5, 3), elements=st.floats(-3, 3)),
+    residual=arrays(float, 5, elements=st.floats(-9, 9)),
+    begin=arrays(float, 3, elements=st.floats(-1, 1)),
+)
+def test_no_step_within_the_bounds_promises_more(
+    slopes: np.ndarray, residual: np.ndarray, begin: np.ndarray
+) -> None:
+    wide = np.ones(3)
+    free = Free(np.arange(3), 0.7 * wide, -wide, wide, np.arange(3) == 1)
+    point = Extended({"some": jnp.asarray(begin)}, ())  # type: ignore[dict-item]
+    step, promised = _descent._step(Ended(point, residual, slopes), free, begin, 1e-6)
+    low, high = free.ends(begin)
+    assert np.all((step >= low - 1e-9) & (step <= high + 1e-9))
+
+    def gain(other: np.ndarray) -> float:
+        return 0.5 * float(residual @ residual - np.sum((residual + slopes @ (other / 0.7)) ** 2))
+
+    assert promised == pytest.approx(gain(step), abs=1e-3)
+    for share in np.random.default_rng(0).uniform(size=(20, 3)):
+        assert gain(low + share * (high - low)) <= promised + 1e-3
+
+
+def test_a_step_that_leaves_more_is_not_tried_again_nearly_as_long(
+    monkeypatch: pytest.MonkeyPatch, real: Objective
+) -> None:
+    # Linear to the eye at the beginning, and a wall where Newton's step ends.
+    def walled(at: jax.Array) -> jax.Array:
+        return jnp.stack([30 * at[0], 0.1 * (at[1] - 0.9) + 40 * jnp.maximum(at[1] - 0.2, 0) ** 2])
+
+    ended, trials = least(monkeypatch, real, walled, [0.1, 0.0], [False, False])
+    assert ended.loss() < 0.003 and trials <= 9
+
+
+def test_two_small_gains_in_a_row_are_an_end_however_short_their_steps(
+    monkeypatch: pytest.MonkeyPatch, real: Objective
+) -> None:
+    def narrow(at: jax.Array) -> jax.Array:
+        return jnp.stack([100 * (at[1] - at[0] ** 2), 0.3 * (1 - at[0])])
+
+    ended, trials = least(monkeypatch, real, narrow, [-1.0, 1.0], [False, False])
+    assert ended.loss() < 0.05 and trials <= 10
 
 
 def test_a_logarithm_steps_by_the_share_of_its_value_and_never_below_nothing() -> None:

@@ -115,8 +115,10 @@ def test_rivals_are_compared_under_the_error_of_cells_where_the_best_stands(
     own = {"best": [48.0, 50.0], "close": [70.0], "far": [90.0]}
     same = {("close", "best"): 41.0, ("far", "best"): 95.0, ("best", "close"): 48.5}
     told: list[str] = []
+    rivals: list[float] = []
 
-    def measured(one: Refit, *_: object) -> Refit:
+    def measured(one: Refit, rival: float, *_: object) -> Refit:
+        rivals.append(rival)
         return refit(one.name(), own[one.name()].pop(0), 3)
 
     def on_same_cells(one: Refit, best: Refit) -> Refit:
@@ -128,6 +130,8 @@ def test_rivals_are_compared_under_the_error_of_cells_where_the_best_stands(
     made = [refit("best", 60.0, 3), refit("close", 50.0, 3), refit("far", 80.0, 3)]
     order = module._measured_anew(standing(300.0, 2), made, silent())
     assert names(order) == ["close", "best", "far"] and told == ["close", "far", "best"]
+    # Each has to reach what those before it left, half of the squares, the best once more.
+    assert rivals == pytest.approx([np.inf, 35.0, 24.0, 35.0])
     # Nine squares ahead, and not quite as many where the best stands on the same cells.
     assert together(order, 1.0, 8.0) == ["close", "best"]
 
@@ -140,12 +144,13 @@ def test_a_fit_that_measuring_takes_back_is_made_anew_from_its_beginning(
     begun, after = standing(200.0, 3), standing(40.0, 3)
     measured = standing(there, 3)
 
-    def fitted(one: Standing, *, times: int) -> Standing:
+    def fitted(one: Standing, *, times: int, rival: float) -> Standing:
         assert one is measured and times == 0, "what cells make wrong is known there"
+        assert rival == 23.0
         return standing(45.0, 3)
 
-    def in_short_steps(one: Standing) -> Standing:
-        assert one is begun
+    def in_short_steps(one: Standing, rival: float) -> Standing:
+        assert one is begun and rival == 23.0
         return standing(70.0, 3)
 
     for name, fake in (
@@ -153,7 +158,7 @@ def test_a_fit_that_measuring_takes_back_is_made_anew_from_its_beginning(
     ):  # fmt: skip
         monkeypatch.setattr(module, name, fake)
     one = Refit(refit("void", 40.0, 3).score, after, begun)
-    again = module._once_more(one, silent(), 1, 2)
+    again = module._once_more(one, 23.0, silent(), 1, 2)
     assert 2 * again.standing.ended.loss() == pytest.approx(found) and again.begun is begun
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 
 import jax.numpy as jnp
@@ -99,3 +100,14 @@ def test_what_promises_nothing_is_not_measured(monkeypatch: pytest.MonkeyPatch) 
     toy.at[id(toy.benches[0])] = TRUE
     toy.begun = replace(toy.begun, point=point(TRUE))
     assert in_short_steps(toy.begun).bench is toy.begun.bench and toy.tried == [0.0]
+
+
+def test_one_that_will_not_reach_its_rival_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Steps are twice as long each, and the least is a thousand of the first away: three of them
+    # gain 1.7e5 of 1.25e7, the last of which 1e5, of which seven more are left.
+    monkeypatch.setattr(sys.modules[__name__], "TRUE", 500.0)
+    for rival, wanted in ((1.0e7, 4), (1.2e7, 7)):
+        toy = Toy(1.0, monkeypatch)
+        found = in_short_steps(toy.begun, rival)
+        assert len(toy.tried) == wanted
+        assert place(found) == toy.tried[-1] == {4: 3.5, 7: 20.0}[wanted]

@@ -8,6 +8,7 @@ from typing import Final, final
 import numpy as np
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Bool, Float, Int
+from scipy.optimize import lsq_linear
 
 from thermo.discover._allowance import Allowance
 from thermo.discover._extended import Extended, columns, moved
@@ -22,9 +23,15 @@ _GAIN: Final = 0.05
 _NOTHING: Final = 0.005
 # Damping over each entry's own curvature [1]. An effect and an unknown that hides all of it but a
 # hundredth leave 1e-4 of it along what tells them apart: from well below that the first step is
-# nearly Newton's, and small gains at more are no end.
+# nearly Newton's, and one small gain at more is no end.
 _DAMPING: Final = 1e-8
 _LITTLE: Final = 1e-6
+# Damping at the least after a step that leaves more: between that and the first it is one step as
+# a rule, which leaves more again.
+_MUCH: Final = 1e-2
+# Shares of its promise that a step keeps where the next may be longer, or has to be shorter [1].
+_GOOD: Final = 0.75
+_POOR: Final = 0.25
 # Steps by which the pace of a fit is judged [1]: the first ones may turn into a narrow valley.
 _PACE: Final = 3
 # What a step promises all the way to its end [1], of which so many times are still hoped for.
@@ -60,6 +67,15 @@ class Free:
         step = np.clip(step, -most, most)
         step[self.logarithm] = np.log1p(np.maximum(step[self.logarithm], -0.9))
         return np.clip(before + step, self.low, self.high)
+
+    def ends(
+        self, before: Float[np.ndarray, " free"]
+    ) -> tuple[Float[np.ndarray, " free"], Float[np.ndarray, " free"]]:
+        """The least and the largest step within the bounds, as of `after`, each in its unit."""
+        low, high = np.minimum(self.low - before, 0.0), np.maximum(self.high - before, 0.0)
+        low[self.logarithm] = np.expm1(low[self.logarithm])
+        high[self.logarithm] = np.expm1(high[self.logarithm])
+        return low, high
 
     def ways(self, entries: int) -> Float[np.ndarray, "free entries"]:
         """One way for each, its length the scale, in each entry's unit."""
@@ -104,7 +120,7 @@ def descend(
     allowed: Allowance,
     rival: float = np.inf,
 ) -> Ended:
-    """Levenberg-Marquardt in scaled entries; a step that meets a bound ends on it.
+    """Levenberg-Marquardt in scaled entries, within their bounds.
 
     Residuals are measured in what is `allowed` for [1]. It ends as well where the steps that are
     left would not reach the loss of a `rival` [1] at twice the pace of the best of the last few, or
@@ -115,19 +131,13 @@ def descend(
     entries = len(ravel_pytree(point)[0])
     ways = free.ways(entries)
     here = _at(objective, point, ways, allowed)
-    damping, gains = _DAMPING, []
+    damping, gains, failed = _DAMPING, [], False
     for left in range(_TRIALS - 1, -1, -1):
-        normal = here.slopes.T @ here.slopes
-        level = np.sqrt(np.maximum(np.diag(normal), 1e-12))
-        alike = normal / np.outer(level, level) + damping * np.eye(len(level))
-        slope = here.slopes.T @ here.residual / level
-        step = -np.linalg.solve(alike, slope)
-        promised = -slope @ step / 2
+        old = np.asarray(ravel_pytree(here.point)[0])[free.number]
+        step, promised = _step(here, free, old, damping)
         hopeless = gains and here.loss() - _HOPE * promised > rival
         if damping <= _LITTLE and (promised < _NOTHING or hopeless):
             break
-        step *= free.scale / level
-        old = np.asarray(ravel_pytree(here.point)[0])[free.number]
         change = np.zeros(entries)
         change[free.number] = free.after(old, step) - old
         if not np.any(change):
@@ -136,17 +146,52 @@ def descend(
         gain = here.loss() - there.loss()
         if np.isfinite(gain) and gain > 0:
             beyond = there.loss() - 0.5 * len(there.residual)
-            small = gain < max(_GAIN, _SHARE * beyond) and damping <= _LITTLE
-            here, damping = there, max(damping / 10, _DAMPING)
+            least = max(_GAIN, _SHARE * beyond)
+            # Two in a row that gain little are an end however short they were.
+            small = gain < least and (damping <= _LITTLE or min(gains[-1:], default=gain) < least)
+            here, damping, failed = there, _next(damping, gain / promised, failed=failed), False
             gains.append(gain)
             late = here.loss() - 2 * left * max(gains[-_PACE:]) > rival
             if small or (len(gains) >= _PACE and late):
                 break
         else:
-            damping *= 100
+            damping, failed = max(_MUCH, 10 * damping), True
             if damping > 1e4:
                 break
     return here
+
+
+def _next(damping: float, kept: float, *, failed: bool) -> float:
+    """Damping [1] after a step that kept a share of its promise [1].
+
+    `failed`: the one before it left more. What has just been too long would be so again.
+    """
+    if kept > _GOOD and not failed:
+        return max(damping / 100, _DAMPING)
+    return 4 * damping if kept < _POOR else damping
+
+
+def _step(
+    here: Ended, free: Free, old: Float[np.ndarray, " free"], damping: float
+) -> tuple[Float[np.ndarray, " free"], float]:
+    """A damped step from entries `old` within their bounds, in their units, and its promise [1].
+
+    Where some end on a bound, the others step as that leaves it best: they make up for what those
+    cannot do, and a fit along a bound does not creep.
+
+    Source: Stark and Parker, Computational Statistics 10 (1995) 129, bounded least squares.
+    """
+    normal = here.slopes.T @ here.slopes
+    level = np.sqrt(np.maximum(np.diag(normal), 1e-12))
+    alike = normal / np.outer(level, level) + damping * np.eye(len(level))
+    slope = here.slopes.T @ here.residual / level
+    unit = free.scale / level
+    step = -np.linalg.solve(alike, slope)
+    low, high = (end / unit for end in free.ends(old))
+    if np.any((step < low) | (step > high)):
+        root = np.linalg.cholesky(alike)
+        step = lsq_linear(root.T, -np.linalg.solve(root, slope), (low, high), method="bvls").x
+    return step * unit, float(-slope @ step - step @ alike @ step / 2)
 
 
 def begun(objective: Objective, point: Extended, free: Free, allowed: Allowance) -> Ended:

@@ -92,7 +92,7 @@ def _all_put_to_work(
     """
     made = list(made)
     for number, score in enumerate(worth, 1):
-        rival = min((one.standing.ended.loss() for one in made), default=np.inf)
+        rival = _least_left(made)
         placed = standing.first[score.name()].place is not None
         if not could_reach(score, standing.ended.loss(), rival, placed=placed, far=far):
             continue
@@ -153,27 +153,30 @@ def far_from_first(standing: Standing) -> bool:
     return bool(np.any(np.abs(here - first) > _ASTRAY))
 
 
-def _once_more(one: Refit, pace: Pace, number: int, count: int) -> Refit:
+def _once_more(one: Refit, rival: float, pace: Pace, number: int, count: int) -> Refit:
     """Fitted with what cells make wrong measured where it stands, or from its beginning.
 
-    What leaves far more there than it seemed to was led astray by what they make wrong.
+    What leaves far more there than it seemed to was led astray by what they make wrong. One that
+    will not reach the loss of a `rival` [1] is not followed to its end.
     """
     words = f"measuring the cells' error with {one.name()}, {number} of {count}"
     pace.step(words, MEASURE, {MEASURE: count - number + 1})
     there = remeasured(one.standing)
     if kept_promise(one.begun, one.standing, there):
-        return replace(one, standing=fitted(there, times=0))
+        return replace(one, standing=fitted(there, times=0, rival=rival))
     pace.step(f"following {one.name()} in short steps, as cells are coarse for it")
-    return replace(one, standing=in_short_steps(one.begun))
+    return replace(one, standing=in_short_steps(one.begun, rival))
 
 
 def _measured_anew(standing: Standing, made: list[Refit], pace: Pace) -> list[Refit]:
     """Those near the best, fitted once more with what cells make wrong where they stand."""
     made = in_order(made)
     near = near_best(standing.ended, made)
-    count = len(near) + 1
-    again = in_order([_once_more(one, pace, number, count) for number, one in enumerate(near, 1)])
-    again[0] = _once_more(again[0], pace, count, count)
+    count, again = len(near) + 1, []
+    for number, one in enumerate(near, 1):
+        again.append(_once_more(one, _least_left(again), pace, number, count))
+    best, *rivals = in_order(again)
+    again = [_once_more(best, _least_left(rivals), pace, count, count), *rivals]
     # What leaves more than without it, once cells are measured where it stands, fits these alone.
     sound = [one for one in again if one.standing.ended.loss() < standing.ended.loss()]
     lost = [one for one in again if sound and all(one is not other for other in sound)]
@@ -186,6 +189,11 @@ def _measured_anew(standing: Standing, made: list[Refit], pace: Pace) -> list[Re
         again = [first, *(on_same_cells(one, first) if one is best else one for one in rivals)]
     others = [one for one in made if all(one is not other for other in near)]
     return in_order(again) + others + lost
+
+
+def _least_left(made: list[Refit]) -> float:
+    """The least loss of refits [1], infinite where there are none."""
+    return min((one.standing.ended.loss() for one in made), default=np.inf)
 
 
 def _spread(made: list[Refit]) -> float:

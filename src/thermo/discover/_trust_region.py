@@ -31,6 +31,9 @@ _GOOD: Final = 0.75
 _ENOUGH: Final = 0.003
 # Gain [1] that is none.
 _NOTHING: Final = 0.05
+# Steps by which their pace is judged [1]: the first may be as long as where cells were measured
+# allows, and no longer.
+_PACE: Final = 3
 
 
 def remeasured(standing: Standing) -> Standing:
@@ -49,29 +52,35 @@ def kept_promise(before: Standing, after: Standing, there: Standing) -> bool:
     return before.ended.loss() - there.ended.loss() >= _POOR * promised
 
 
-def in_short_steps(standing: Standing) -> Standing:
+def in_short_steps(standing: Standing, rival: float = np.inf) -> Standing:
     """Least squares in steps, after each of which what cells make wrong is measured anew [1].
 
     Coarse cells with their error taken off where it was measured stand for fine ones near that
     place alone. A step that leaves more on the fine ones is taken back; how far the next may go
     follows from how much of its promise a step has kept.
 
-    `standing`: before the fit, what cells make wrong measured where it stands.
+    `standing`: before the fit, what cells make wrong measured where it stands; `rival`: a loss [1]
+    that it has to reach, and ends where the steps that are left would not at twice the pace of the
+    best of the last few.
 
     Source: Alexandrov, Dennis, Lewis and Torczon, Structural Optimization 15 (1998) 16, a trust
     region for approximation models of which value and slope need not be exact at a distance.
     """
     small, kept = with_few_places(standing)
-    free, reach = free_of(small), _REACH
+    free, reach, gains = free_of(small), _REACH, []
     here = first = not_moved(small, free)
-    for _ in range(_STEPS):
+    for left in range(_STEPS - 1, -1, -1):
         there = descended(here, _near(free, here.point, reach))
         promised = here.ended.loss() - there.ended.loss()
         if promised < max(_NOTHING, _ENOUGH * (first.ended.loss() - here.ended.loss())):
             break
         there = not_moved(measured(there), free)
-        share = (here.ended.loss() - there.ended.loss()) / promised
-        here = there if share > 0 else here
+        gains.append(here.ended.loss() - there.ended.loss())
+        here = there if gains[-1] > 0 else here
+        late = here.ended.loss() - 2 * left * max(0.0, *gains[-_PACE:]) > rival
+        if len(gains) >= _PACE and late:
+            break
+        share = gains[-1] / promised
         reach *= 2.0 if share >= _GOOD else 1.0 if share >= _POOR else 0.25
     return with_all_places(standing, here, kept)
 
