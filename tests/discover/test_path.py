@@ -11,20 +11,18 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from lit_box import MESH, STATED, within
+from lit_box import MESH, STATED
 from standings import VALUES, standing
 from verdicts import one_round
 
 from thermo.discover import Calibration, Card, Place, Round, _path
 from thermo.discover._bench import Bench
 from thermo.discover._entries import Entry
-from thermo.discover._extended import Extended
 from thermo.discover._pace import silent
 from thermo.discover._path import SearchPath, search, twice
 from thermo.discover._scores import Score, ScoreTable
 from thermo.discover._standing import Standing
-from thermo.discover.candidates import CameraDrift, HiddenSource, Void
-from thermo.errors import InputError
+from thermo.discover.candidates import CameraDrift, Void
 from thermo.inverse import Ready
 
 from .lit_objective import box_task, objective
@@ -258,25 +256,6 @@ def test_what_only_cells_raise_is_told(
     assert same == (began, before), "no smaller cells"
 
 
-def test_the_thinnest_place_at_work_is_that_of_a_void_along_its_shortest_axis() -> None:
-    flat = within((0.0, 0.0, 0.0), [0.004, 0.005, 0.003])
-    lag = CameraDrift(jnp.ones(1))
-    point = Extended({}, (Void(jnp.ones(1), flat), lag, HiddenSource(jnp.ones(1), PLACE)))
-
-    def at_work(*names: str) -> Standing:
-        made = standing(60.0, 2, active=tuple((name, 0) for name in names))
-        object.__setattr__(made, "point", point)
-        return made
-
-    assert _path.thinnest(at_work("void")) == pytest.approx(0.003)
-    assert _path.thinnest(at_work("hidden_source", "void")) == pytest.approx(0.003)
-    assert _path.thinnest(at_work("hidden_source")) == 1.0
-    assert _path.placed(at_work("void")) and not _path.placed(at_work(lag.card.name))
-    edges = _path.edges(at_work("hidden_source", "void"))
-    np.testing.assert_array_equal(edges, flat.edge(0))
-    assert len(_path.edges(at_work("hidden_source"))) == 0
-
-
 def pruned_to(
     monkeypatch: pytest.MonkeyPatch, after: float, first: tuple[float, float] = (0.1, 0.5)
 ) -> tuple[list[Round], list[str]]:
@@ -318,6 +297,14 @@ def table_of(z: float, card: Card = CameraDrift.card) -> ScoreTable:
     return ScoreTable([one], [], 3.4, np.eye(1), np.zeros((VALUES, 1)))
 
 
+def test_the_largest_score_that_is_not_followed_is_told_in_thresholds() -> None:
+    # The largest of all is to a side on which its strength cannot be.
+    left_aside = beside(table_of(4.42), table_of(-9.0, Void.card))
+    told = _path._fine(replace(table_of(0.0), scores=[], unfollowed=left_aside.scores))
+    assert "passed the threshold 3 times (camera_drift, 1.3), and nothing more" in told
+    assert "threshold 3 times, and nothing more" in _path._fine(replace(table_of(0.0), scores=[]))
+
+
 @pytest.mark.parametrize(
     ("left", "z", "far"),
     [(VALUES * 5.0, 5.0, True), (VALUES * 5.0, -7.0, False), (VALUES * 1.04, 0.1, False)],
@@ -325,93 +312,3 @@ def table_of(z: float, card: Card = CameraDrift.card) -> ScoreTable:
 def test_what_no_score_reaches_is_not_refitted(left: float, z: float, far: bool) -> None:
     # Of 160 beyond noise a score of 7 shows 49, and one of 5 no more than 25.
     assert _path._out_of_reach(standing(left, 2), table_of(z)) is far
-
-
-def small_cells(
-    monkeypatch: pytest.MonkeyPatch,
-    smooth: float,
-    place: Place | None,
-    *,
-    again: bool = False,
-    edge: float = 0.5,
-    after: float = 0.05,
-    fault: InputError | None = None,
-    burst: float | None = None,
-) -> list[str]:
-    """What is said where an effect of size one leaves so much in smooth shapes.
-
-    On smaller cells simulations may `burst`, and leave so much.
-    """
-
-    def resolved(bench: Bench, _: Any) -> Bench:
-        if fault is not None:
-            raise fault
-        return bench
-
-    began, now = (standing(60.0, 2, smooth, (("hidden_source", 0),)) for _ in range(2))
-    for one, ready in ((began, object.__new__(Ready)), (now, object.__new__(Ready))):
-        bench = object.__new__(Bench)
-        object.__setattr__(bench, "ready", ready)
-        object.__setattr__(one, "bench", bench)
-        source = HiddenSource(jnp.zeros(1), PLACE)
-        object.__setattr__(one, "point", Extended({}, (source,)))
-        object.__setattr__(one, "first", {"hidden_source": source})
-    if not again:
-        object.__setattr__(now, "bench", began.bench)
-    if place is None:
-        object.__setattr__(now, "point", Extended({}, (CameraDrift(jnp.zeros(1)),)))
-        object.__setattr__(now, "active", (("camera_drift", 0),))
-    sizes = iter([{"lamp": 0.2}, {"lamp": after}])
-    fakes: dict[str, Any] = {
-        "resolved": resolved,
-        "edge_of": lambda bench: edge,
-        "fitted": lambda made, **_: made if burst is None else standing(burst, 2, 600.0),
-        "rms": lambda _: next(sizes),
-    }
-    for name, fake in fakes.items():
-        monkeypatch.setattr(_path, name, fake)
-    remarks: list[str] = []
-    _, rounds = _path.on_small_cells(
-        now, [found(0.1, 0.5, 0.7)], began, standing(900.0, 1, 600.0), silent(), remarks
-    )  # fmt: skip
-    if fault is not None or burst is not None:
-        assert rounds[0].closed == 0.7, "what was found stays"
-    elif remarks:
-        assert rounds[0].rms_after == {"lamp": 0.05}
-        # Of 599 beyond noise in one smooth shape that is left.
-        assert rounds[0].closed == pytest.approx((600 - smooth) / 599)
-    return remarks
-
-
-def test_cells_are_made_smaller_once_about_a_place_that_leaves_a_misfit(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    (told,) = small_cells(monkeypatch, 40.0, PLACE)
-    assert "beside hidden_source: lamp 0.2 to 0.05 K" in told
-    assert small_cells(monkeypatch, 40.0, PLACE, again=True) == []
-    assert small_cells(monkeypatch, 1.0, PLACE) == [], "nothing is left"
-    assert len(small_cells(monkeypatch, 1.0, PLACE, edge=1.1)) == 1, "cells are too large for it"
-    assert small_cells(monkeypatch, 40.0, None) == [], "no place is at work"
-    assert small_cells(monkeypatch, 40.0, PLACE, after=0.20004) == [], "nothing to tell of"
-
-
-@pytest.mark.parametrize("left", [1e9, np.inf, np.nan])
-def test_smaller_cells_on_which_an_effect_bursts_are_not_gone_to(
-    monkeypatch: pytest.MonkeyPatch, left: float
-) -> None:
-    (told,) = small_cells(monkeypatch, 40.0, PLACE, burst=left)
-    assert "With hidden_source at work smaller cells leave more than without it" in told
-
-
-def test_where_no_smaller_cells_can_be_made_the_search_goes_on(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    fault = InputError(
-        "the mesher did not finish", where="surface.ply", value="stopped after 600 s",
-        limit="600 s", remedy="simplify the surface",
-    )  # fmt: skip
-    (told,) = small_cells(monkeypatch, 40.0, PLACE, fault=fault)
-    assert told == (
-        "Cells beside hidden_source stay as they are: the mesher did not finish, "
-        "stopped after 600 s; simplify the surface."
-    )

@@ -168,4 +168,7 @@ def test_beside_places_a_score_of_what_is_all_over_the_body_tells_where_it_is_la
     table = scores_of(**scores)
     left = clear_of_shapes(table, kinds)
     assert [one.name() for one in left.scores] == kept
+    # What is not followed is kept to be told of.
+    over_all = [one for one in table.scores if one.name() != "void"]
+    assert list(left.unfollowed) == ([] if kept else over_all)
     assert left.threshold == table.threshold, "what rivals are compared by stays"

@@ -7,11 +7,10 @@ from dataclasses import dataclass, replace
 from typing import Final, final
 
 import numpy as np
-from jaxtyping import Float
 
-from thermo.discover._bench import FINEST, edge_of, finest, resolved
+from thermo.discover._bench import FINEST, finest
 from thermo.discover._calibration import Calibration, calibration
-from thermo.discover._candidate import Candidate, Inclusion, Place
+from thermo.discover._candidate import Candidate
 from thermo.discover._entries import Active
 from thermo.discover._pace import Pace
 from thermo.discover._place_doubt import (
@@ -27,12 +26,12 @@ from thermo.discover._replacement import replaced, rivals_of
 from thermo.discover._rounds import (
     effect_of,
     make_round,
-    rms,
     simplest_first,
     with_joint_effects,
 )
-from thermo.discover._scores import ScoreTable, credible
+from thermo.discover._scores import ScoreTable, best_of_kinds, credible
 from thermo.discover._scoring import scored
+from thermo.discover._small_cells import on_small_cells, placed
 from thermo.discover._standing import (
     BY_SHAPES,
     WORTH,
@@ -43,7 +42,6 @@ from thermo.discover._standing import (
     without,
 )
 from thermo.discover._verdict import Effect, Round, Word
-from thermo.errors import InputError
 from thermo.inverse import FINER
 
 CLOSED: Final = 0.9
@@ -59,8 +57,7 @@ _REACH: Final = 0.25
 _FINE: Final = (
     "What is left in smooth shapes is no more than noise and what the shapes of places may make "
     f"wrong, {100 * ELSEWHERE:g} % of an effect elsewhere. Scores beside a place come from its "
-    f"edges as well; none of what is all over the body passed the threshold {CLEAR:g} times, and "
-    "nothing more was looked for."
+    f"edges as well; none of what is all over the body passed the threshold {CLEAR:g} times"
 )
 # What the finer cells are still wrong by may pass the threshold, hardly so many times [1].
 _SLIGHT: Final = 3.0
@@ -74,10 +71,6 @@ _SCATTER: Final = (
     "Cells {:g} times as short as a fit's may still be wrong by so much that scores scatter {:.2g} "
     "times as far as by noise alone, and the threshold is as much higher. A larger "
     "mesh.cells_per_depth leaves less."
-)
-_BURST: Final = (
-    "With {} at work smaller cells leave more than without it; cells stay as they are, and what "
-    "they make wrong beside it is not known."
 )
 _COLLINEAR: Final = (
     "Together {} meet the readings, but each of them may as well be nothing beside the others: "
@@ -238,68 +231,6 @@ def calibrated(begun: Standing, table: ScoreTable) -> Calibration:
     return Calibration(kept[0], *map(float, kept[1]))
 
 
-def on_small_cells(
-    standing: Standing,
-    rounds: list[Round],
-    begun: Standing,
-    before: Standing,
-    pace: Pace,
-    remarks: list[str],
-) -> tuple[Standing, list[Round]]:
-    """Fitted anew on smaller cells, where a place is thin or leaves a misfit in smooth shapes.
-
-    What cells make wrong about a thin place is no other effect [1]. Cells are made smaller once;
-    `before`: where the search stood without the last effect.
-    """
-    tried = standing.bench.ready is not begun.bench.ready
-    needed = standing.chance() <= BY_SHAPES or thinnest(standing) < edge_of(standing.bench)
-    if tried or not placed(standing) or not needed:
-        return standing, rounds
-    pace.step("fitting on smaller cells")
-    name, large = rounds[-1].effect.card.name, rms(standing)
-    try:
-        bench = resolved(standing.bench, edges(standing))
-    except InputError as fault:
-        # What was found need not be lost for that.
-        why = f"{fault.what}, {fault.value}; {fault.remedy}"
-        remarks.append(f"Cells beside {name} stay as they are: {why}.")
-        return standing, rounds
-    smaller = fitted(replace(standing, bench=bench), times=2)
-    if not smaller.ended.loss() < before.ended.loss():
-        remarks.append(_BURST.format(name))
-        return standing, rounds
-    small, closed = rms(smaller), share_closed(before, smaller)
-    told = ", ".join(f"{run} {one:.3g} to {small[run]:.3g} K" for run, one in large.items())
-    if any(f"{one:.3g}" != f"{small[run]:.3g}" for run, one in large.items()):
-        remarks.append(f"Smaller cells change what is left beside {name}: {told}.")
-    return smaller, [*rounds[:-1], replace(rounds[-1], rms_after=small, closed=closed)]
-
-
-def placed(standing: Standing) -> bool:
-    """Whether an effect with a place [m] is at work."""
-    return thinnest(standing) < np.inf
-
-
-def thinnest(standing: Standing) -> float:
-    """The least size of a place at work [m], infinite where there is none."""
-    found = [np.inf]
-    for name, part in standing.active:
-        place = next(one.place for one in standing.point.candidates if one.card.name == name)
-        if isinstance(place, Place | Inclusion):
-            found.append(float(np.min(np.asarray(place.size)[part])))
-    return min(found)
-
-
-def edges(standing: Standing) -> Float[np.ndarray, "points 3"]:
-    """Points [m] on the edges of inclusions at work."""
-    found = [np.zeros((0, 3))]
-    for name, part in standing.active:
-        place = next(one.place for one in standing.point.candidates if one.card.name == name)
-        if isinstance(place, Inclusion):
-            found.append(place.edge(part))
-    return np.concatenate(found)
-
-
 def pruned(
     standing: Standing, rounds: list[Round], most: float, pace: Pace, remarks: list[str]
 ) -> tuple[Standing, list[Round]]:
@@ -326,10 +257,18 @@ def pruned(
 def _at_rest(standing: Standing, table: ScoreTable, calm: bool) -> list[str] | None:
     """What there is to say where nothing more is looked for; None where something is."""
     if not _alarm(table) and calm:
-        return [_FINE] if placed(standing) else []
+        return [_fine(table)] if placed(standing) else []
     if standing.active and _out_of_reach(standing, table):
         return [_rest(None)]
     return None
+
+
+def _fine(table: ScoreTable) -> str:
+    """What to say where scores beside a place are not followed, if there are such."""
+    could_be = [one for one in table.unfollowed if credible(one, 0.0)]
+    largest = next(iter(best_of_kinds(could_be)), None)
+    told = "" if largest is None else f" ({largest.name()}, {abs(largest.z) / table.threshold:.2g})"
+    return f"{_FINE}{told}, and nothing more was looked for."
 
 
 def _absent(one: Round | None, calm: bool) -> bool:

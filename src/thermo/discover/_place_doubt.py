@@ -58,7 +58,7 @@ def with_doubt(standing: Standing, allowed: Allowance) -> Standing:
 
 
 def clear_of_shapes(table: ScoreTable, kinds: Mapping[str, Candidate]) -> ScoreTable:
-    """The scores of what is all over the body, where one is far too large for edges; else none.
+    """The scores of what is all over the body, if one is far too large for edges; else unfollowed.
 
     Where the smooth shapes that are left may come from a place's, so may scores somewhat beyond the
     threshold, as edges are finer than what is allowed for. What is all over the body they resemble
@@ -66,7 +66,9 @@ def clear_of_shapes(table: ScoreTable, kinds: Mapping[str, Candidate]) -> ScoreT
     """
     over_all = [one for one in table.scores if not _within(kinds[one.name()])]
     clear = any(credible(one, CLEAR * table.threshold) for one in over_all)
-    return replace(table, scores=over_all if clear else [])
+    return (
+        replace(table, scores=over_all) if clear else replace(table, scores=[], unfollowed=over_all)
+    )
 
 
 def _within(kind: Candidate) -> bool:

@@ -50,6 +50,7 @@ class ScoreTable:
 
     - `alike`: correlation of the scores of all strengths, (columns, columns) [1].
     - `unit`: the signatures beside the unknowns, each of length one, (values, columns) [1].
+    - `unfollowed`: scores that a round leaves aside, whatever they pass.
     """
 
     scores: list[Score]
@@ -57,6 +58,7 @@ class ScoreTable:
     threshold: float
     alike: Float[np.ndarray, "columns columns"]
     unit: Float[np.ndarray, "values columns"]
+    unfollowed: Sequence[Score] = ()
 
     def largest(self, draws: Float[np.ndarray, "draws columns"]) -> Float[np.ndarray, " draws"]:
         """The largest score of all of each draw of normal scores of all strengths [1]."""

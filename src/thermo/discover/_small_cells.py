@@ -1,0 +1,84 @@
+"""Cells made smaller about a place that is at work."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from jaxtyping import Float
+
+from thermo.discover._bench import edge_of, resolved
+from thermo.discover._candidate import Inclusion, Place
+from thermo.discover._pace import Pace
+from thermo.discover._rounds import rms
+from thermo.discover._standing import BY_SHAPES, Standing, fitted, share_closed
+from thermo.discover._verdict import Round
+from thermo.errors import InputError
+
+_BURST: Final = (
+    "With {} at work smaller cells leave more than without it; cells stay as they are, and what "
+    "they make wrong beside it is not known."
+)
+
+
+def on_small_cells(
+    standing: Standing,
+    rounds: list[Round],
+    begun: Standing,
+    before: Standing,
+    pace: Pace,
+    remarks: list[str],
+) -> tuple[Standing, list[Round]]:
+    """Fitted anew on smaller cells, where a place is thin or leaves a misfit in smooth shapes.
+
+    What cells make wrong about a thin place is no other effect [1]. Cells are made smaller once;
+    `before`: where the search stood without the last effect.
+    """
+    tried = standing.bench.ready is not begun.bench.ready
+    needed = standing.chance() <= BY_SHAPES or thinnest(standing) < edge_of(standing.bench)
+    if tried or not placed(standing) or not needed:
+        return standing, rounds
+    pace.step("fitting on smaller cells")
+    name, large = rounds[-1].effect.card.name, rms(standing)
+    try:
+        bench = resolved(standing.bench, edges(standing))
+    except InputError as fault:
+        # What was found need not be lost for that.
+        why = f"{fault.what}, {fault.value}; {fault.remedy}"
+        remarks.append(f"Cells beside {name} stay as they are: {why}.")
+        return standing, rounds
+    smaller = fitted(replace(standing, bench=bench), times=2)
+    if not smaller.ended.loss() < before.ended.loss():
+        remarks.append(_BURST.format(name))
+        return standing, rounds
+    small, closed = rms(smaller), share_closed(before, smaller)
+    told = ", ".join(f"{run} {one:.3g} to {small[run]:.3g} K" for run, one in large.items())
+    if any(f"{one:.3g}" != f"{small[run]:.3g}" for run, one in large.items()):
+        remarks.append(f"Smaller cells change what is left beside {name}: {told}.")
+    return smaller, [*rounds[:-1], replace(rounds[-1], rms_after=small, closed=closed)]
+
+
+def placed(standing: Standing) -> bool:
+    """Whether an effect with a place [m] is at work."""
+    return thinnest(standing) < np.inf
+
+
+def thinnest(standing: Standing) -> float:
+    """The least size of a place at work [m], infinite where there is none."""
+    found = [np.inf]
+    for name, part in standing.active:
+        place = next(one.place for one in standing.point.candidates if one.card.name == name)
+        if isinstance(place, Place | Inclusion):
+            found.append(float(np.min(np.asarray(place.size)[part])))
+    return min(found)
+
+
+def edges(standing: Standing) -> Float[np.ndarray, "points 3"]:
+    """Points [m] on the edges of inclusions at work."""
+    found = [np.zeros((0, 3))]
+    for name, part in standing.active:
+        place = next(one.place for one in standing.point.candidates if one.card.name == name)
+        if isinstance(place, Inclusion):
+            found.append(place.edge(part))
+    return np.concatenate(found)
