@@ -149,7 +149,8 @@ def descend(
             least = max(_GAIN, _SHARE * beyond)
             # Two in a row that gain little are an end however short they were.
             small = gain < least and (damping <= _LITTLE or min(gains[-1:], default=gain) < least)
-            here, damping, failed = there, _next(damping, gain / promised, failed=failed), False
+            here, damping = there, _next(damping, gain, promised, failed=failed)
+            failed = False
             gains.append(gain)
             late = here.loss() - 2 * left * max(gains[-_PACE:]) > rival
             if small or (len(gains) >= _PACE and late):
@@ -161,14 +162,14 @@ def descend(
     return here
 
 
-def _next(damping: float, kept: float, *, failed: bool) -> float:
-    """Damping [1] after a step that kept a share of its promise [1].
+def _next(damping: float, gain: float, promised: float, *, failed: bool) -> float:
+    """Damping [1] after a step that gained so much of what it promised [1].
 
     `failed`: the one before it left more. What has just been too long would be so again.
     """
-    if kept > _GOOD and not failed:
+    if gain > _GOOD * promised and not failed:
         return max(damping / 100, _DAMPING)
-    return 4 * damping if kept < _POOR else damping
+    return 4 * damping if gain < _POOR * promised else damping
 
 
 def _step(
