@@ -2,6 +2,7 @@
 
     python benchmarks/hidden_effects.py [--out FOLDER] [--clean 200] [--draws 10] [--share 0/2]
     python benchmarks/hidden_effects.py --others --clean 12 --draws 2 [--out FOLDER]
+    python benchmarks/hidden_effects.py --alike --draws 4 [--out FOLDER]
     python benchmarks/hidden_effects.py --surfaces GEOMETRY --clean 8 --draws 2 [--out FOLDER]
 
 Five bodies, three kinds of noise; recordings by scikit-fem in quadratic functions on structured
@@ -13,6 +14,7 @@ A case whose result lies in FOLDER is not made again, so that the suite can be i
 `--share 0/2` and `--share 1/2` make its halves side by side, body by body, since the cases of one
 body share compiled programs. `--table` adds what FOLDER holds to the tables in benchmarks/results.
 `--others` takes two other bodies of two other materials: nothing of the search was settled on them.
+`--alike` hides two effects at once of which neither is more than 1.2 times as visible as the other.
 `--surfaces` takes bodies from files: bracket, pinion, spot and rocker_arm in the folder GEOMETRY.
 `--check` prints how exact the recordings are: what the last cut of cells and steps changed.
 """
@@ -28,7 +30,18 @@ from typing import Any
 
 import numpy as np
 from hidden._bodies import FILES
-from hidden._scenes import OTHERS, SHAPES, SURFACES, Case, Made, cases, exactness, make, the_body
+from hidden._scenes import (
+    OTHERS,
+    SHAPES,
+    SURFACES,
+    Case,
+    Made,
+    alike,
+    cases,
+    exactness,
+    make,
+    the_body,
+)
 
 from thermo.discover import Verdict, discover
 from thermo.inverse import Meshing
@@ -49,6 +62,7 @@ def main() -> None:
     parser.add_argument("--table", action="store_true")
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--others", action="store_true")
+    parser.add_argument("--alike", action="store_true")
     parser.add_argument("--surfaces", type=Path)
     asked = parser.parse_args()
     bodies, table = (OTHERS, "_others") if asked.others else (SHAPES, "")
@@ -61,6 +75,8 @@ def main() -> None:
             print(f"{what}: {1e3 * apart:.2g} mK", flush=True)
         return
     suite = cases(asked.clean, asked.draws, bodies)
+    if asked.alike:
+        suite, table = alike(asked.draws, bodies), f"{table}_alike"
     if asked.table:
         rows = [one for case in suite if (one := result(asked.out, case))]
         write_tables(rows, f"hidden_effects{table}")

@@ -176,6 +176,22 @@ def test_beside_a_place_that_leaves_no_misfit_only_what_is_clear_of_it_is_looked
     assert ("nothing more was looked for" in "".join(path.remarks)) is (count < 3)
 
 
+@pytest.mark.parametrize(
+    ("first", "second", "left", "word", "count"),
+    [
+        (0.3, 0.95, 1.0, "named", 2),
+        (0.3, 0.3, 3000.0, "none_of_mine", 1),
+        (0.2, 0.95, 3000.0, "none_of_mine", 1),
+    ],
+)
+def test_of_two_that_show_alike_the_first_may_close_less_than_half(
+    monkeypatch: pytest.MonkeyPatch, first: float, second: float, left: float, word: str, count: int
+) -> None:
+    rounds = [found(0.1, 0.5, first), found(0.2, 0.3, second)]
+    path = searched(monkeypatch, [5000.0, 3500.0, left], rounds, alarms=2)
+    assert (path.word, len(path.rounds)) == (word, count)
+
+
 def test_a_fault_of_the_record_is_told_of_and_not_named(monkeypatch: pytest.MonkeyPatch) -> None:
     drift = found(0.001, 0.003, 0.99)
     drift = replace(drift, effect=replace(drift.effect, card=CameraDrift.card, strength=0.002))

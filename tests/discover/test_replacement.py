@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from standings import standing
 from verdicts import one_round
 
-from thermo.discover import Card, _replacement
+from thermo.discover import Card, Place, _replacement
+from thermo.discover._candidate import Candidate, Transition
 from thermo.discover._entries import Entry
+from thermo.discover._extended import Extended
 from thermo.discover._pace import Pace
 from thermo.discover._refits import Refit
 from thermo.discover._replacement import replaced, rivals_of
 from thermo.discover._scores import Score
 from thermo.discover._standing import Standing
+from thermo.discover.candidates import HeaterPower, HiddenSource, LatentHeat
 
 FIRST, LATER = ("hidden_source", 0), ("void", 2)
 MOST = 12.0
@@ -38,6 +43,8 @@ def test_rivals_are_effects_near_the_first_of_their_round() -> None:
     assert {key: [one.name() for one in each] for key, each in found.items()} == {
         ("first", 0): ["near"]
     }
+    found = rivals_of(made, standing(200.0, 2), ["first", "far", "fault"])
+    assert [one.name() for one in found["first", 0]] == ["near", "far"]
     # What was put first for being simpler need not be what leaves least.
     order = [made[1], made[0], made[3]]
     assert [one.name() for one in rivals_of(order, standing(200.0, 2))["near", 0]] == ["first"]
@@ -48,8 +55,15 @@ def tried(
     left: Mapping[str, float],
     sets: Sequence[Sequence[str]] = (("hidden_source",), ("void",)),
     free: int = 4,
+    closed: float = 0.9,
+    alone: float = 0.0,
+    same: bool = True,
 ) -> tuple[Standing, list[list[str]], list[str], list[str]]:
-    """Where 100 squares are left by hidden_source and void, and so many by rivals of the first."""
+    """Where 100 squares are left by hidden_source and void, and so many by rivals of the first.
+
+    The first had `closed` a share of the gap; void `alone` leaves so much. A rival that is a void
+    is the `same` one.
+    """
     told: list[str] = []
 
     def other(_: Standing, number: int, rival: Refit, most: float) -> Standing:
@@ -60,7 +74,13 @@ def tried(
     effect: Any = one_round(["evaporation"], 0.9).effect
     monkeypatch.setattr(_replacement, "in_place_of", other)
     monkeypatch.setattr(_replacement, "effect_of", lambda *_: effect)
-    rounds = [one_round(list(names), 0.9) for names in sets]
+    less = {"without": lambda *_: standing(1e3, 3), "fitted": lambda *_, **__: standing(alone, 3)}
+    for name, fake in less.items():
+        monkeypatch.setattr(_replacement, name, fake)
+    monkeypatch.setattr(
+        _replacement, "_is_at_work", lambda _, rival: same and rival.name() == "void"
+    )
+    rounds = [one_round(list(names), closed) for names in sets]
     here = standing(100.0, 4, active=(FIRST, LATER))
     rivals = {FIRST: [refit(name, 60.0) for name in left], LATER: [refit("never", 60.0)]}
     there, rounds, remarks = replaced(here, rounds, rivals, MOST, Pace(told.append))
@@ -102,3 +122,63 @@ def test_a_set_loses_only_what_was_replaced(monkeypatch: pytest.MonkeyPatch) -> 
     assert found == [["hidden_source", "heater_power"], ["void"]]
     _, found, _, _ = tried(monkeypatch, {"radiation": 50.0, "void": 0.0}, sets)
     assert found == [["radiation", "heater_power"], ["void"]]
+
+
+@pytest.mark.parametrize(
+    ("closed", "left", "kept"),
+    [(0.6, 200.0, True), (0.4, 200.0, False), (0.4, 100.0 + MOST - 1, True)],
+)
+def test_what_a_round_with_most_of_the_gap_left_told_together_is_told_apart_later(
+    monkeypatch: pytest.MonkeyPatch, closed: float, left: float, kept: bool
+) -> None:
+    sets = (["hidden_source", "heater_power"], ["void"])
+    _, found, _, _ = tried(monkeypatch, {"heater_power": left}, sets, closed=closed)
+    assert found == [["hidden_source", *["heater_power"] * kept], ["void"]]
+
+
+@pytest.mark.parametrize(
+    ("closed", "alone", "same", "kept"),
+    [
+        (0.4, 100.0 + MOST + 3, True, False),
+        (0.4, 100.0 + MOST - 1, True, True),
+        (0.4, 200.0, False, True),
+        (0.6, 200.0, True, True),
+    ],
+)
+def test_what_is_at_work_later_is_no_rival_of_what_it_needs_beside_it(
+    monkeypatch: pytest.MonkeyPatch, closed: float, alone: float, same: bool, kept: bool
+) -> None:
+    sets, more = (["hidden_source", "void"], ["void"]), {"closed": closed, "same": same}
+    _, found, _, told = tried(monkeypatch, {"void": 0.0}, sets, alone=alone, **more)
+    assert found == [["hidden_source", *["void"] * kept], ["void"]]
+    assert told == ["trying without hidden_source"] * (same and closed < 0.5)
+
+
+def test_a_rival_is_at_work_where_it_is_not_elsewhere() -> None:
+    where = Place(jnp.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]), jnp.array([0.1, 0.1]))
+    bell = Transition(jnp.array([300.0, 320.0]), jnp.array([5.0, 5.0]))
+    two, one = jnp.zeros(2), jnp.zeros(1)
+    kinds = (
+        HiddenSource(two, where), LatentHeat(two, bell, jnp.array(2700.0)), HeaterPower(one)
+    )  # fmt: skip
+    active = (("hidden_source", 1), ("latent_heat", 0), ("heater_power", 0))
+    here = with_point(standing(100.0, 4, active=active), kinds)
+
+    def at_work(name: str, part: int, *kinds: Candidate) -> bool:
+        one = refit(name, 60.0)
+        there = with_point(standing(60.0, 3, active=((name, part),)), kinds)
+        return _replacement._is_at_work(here, replace(one, standing=there))
+
+    moved = replace(where, centre=where.centre + jnp.array([0.05, 0.05, 0.0]))
+    assert at_work("hidden_source", 1, HiddenSource(two, moved))
+    assert not at_work("hidden_source", 0, HiddenSource(two, moved)), "that part is not at work"
+    far = replace(where, centre=where.centre + jnp.array([0.0, 0.2, 0.0]))
+    assert not at_work("hidden_source", 1, HiddenSource(two, far))
+    assert at_work("latent_heat", 0, kinds[1]) and not at_work("latent_heat", 1, kinds[1])
+    assert at_work("heater_power", 0, kinds[2])
+    assert not at_work("void", 0), "nothing of that kind is at work"
+
+
+def with_point(one: Standing, kinds: tuple[Candidate, ...]) -> Standing:
+    object.__setattr__(one, "point", Extended({}, kinds))
+    return one

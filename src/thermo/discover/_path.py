@@ -22,7 +22,7 @@ from thermo.discover._place_doubt import (
 )
 from thermo.discover._projection import projection
 from thermo.discover._refits import Refit, refits, with_all
-from thermo.discover._replacement import replaced, rivals_of
+from thermo.discover._replacement import replaced, rivals_of, tentative
 from thermo.discover._rounds import (
     effect_of,
     make_round,
@@ -54,6 +54,9 @@ _ROUNDS: Final = 3
 # Of what a run leaves beyond noise, a score has to show this share that a refit with its place may
 # close half of it [1].
 _REACH: Final = 0.25
+# A first effect has to close this share of what is left [1]: of two that show alike and are not
+# like each other either closes about half alone, of two that cover each other a little less.
+_PART: Final = 0.25
 _FINE: Final = (
     "What is left in smooth shapes is no more than noise and what the shapes of places may make "
     f"wrong, {100 * ELSEWHERE:g} % of an effect elsewhere. Scores beside a place come from its "
@@ -135,9 +138,9 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace, *, rough: b
             break
         rounds.append(_told(one, pace))
         before, standing = standing, with_all(made[0], standing)
-        rivals |= rivals_of(made, before)
+        rivals |= rivals_of(made, before, one.together if tentative(one) else ())
         standing, rounds = pruned(standing, rounds, table.threshold**2, pace, remarks)
-        if one.closed < WORTH:
+        if one.closed < _PART:
             break
         standing, rounds = on_small_cells(standing, rounds, begun, before, pace, remarks)
         pace.step("allowing for what the shapes of places may make wrong")
