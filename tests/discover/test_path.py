@@ -49,15 +49,18 @@ def searched(
     doubted: list[Standing] | None = None,
     clear: int = 0,
     asked: list[ScoreTable] | None = None,
+    smaller: list[str] | None = None,
 ) -> SearchPath:
     """A search whose standings leave so much, with so many alarms by scores.
 
     Where the first one is `slight`, or one that comes `late`, it is checked on the next of the
     standings. Rivals are `told` to take places; what is `doubted` is told as well. Beside places
-    that leave no misfit, whose tables are `asked`, the first `clear` ones tell of an effect.
+    that leave no misfit, whose tables are `asked`, the first `clear` ones tell of an effect. Where
+    cells are made `smaller` is told.
     """
     doubts = [] if doubted is None else doubted
     tables = [] if asked is None else asked
+    cells = [] if smaller is None else smaller
     standings = [standing(told + 50.0, 2, smooth=told) for told in left]
     table = ScoreTable([], [], 3.4, np.zeros((0, 0)), np.zeros((0, 0)))
     nothing = replace(table)
@@ -77,7 +80,7 @@ def searched(
         "with_all": lambda *_: next(order),
         "_out_of_reach": lambda *_: False,
         "placed": lambda made: place and made is not standings[0],
-        "on_small_cells": lambda made, rounds, *_: (made, rounds),
+        "on_small_cells": lambda made, rounds, *_: (cells.append("smaller") or made, rounds),
         "with_doubt": lambda made, _: doubts.append(made) or copy(made),
         "rivals_of": lambda *_: {("one", 0): []},
         "replaced": lambda made, rounds, rivals, most, _: (
@@ -190,6 +193,19 @@ def test_of_two_that_show_alike_the_first_may_close_less_than_half(
     rounds = [found(0.1, 0.5, first), found(0.2, 0.3, second)]
     path = searched(monkeypatch, [5000.0, 3500.0, left], rounds, alarms=2)
     assert (path.word, len(path.rounds)) == (word, count)
+
+
+def test_two_that_do_not_close_nine_tenths_are_an_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    rounds = [found(0.1, 0.5, 0.4), found(0.2, 0.3, 0.7), found(0.2, 0.3, 0.9)]
+    smaller: list[str] = []
+    left = [5000.0, 3000.0, 900.0, 1.0]
+    path = searched(monkeypatch, left, rounds, alarms=3, smaller=smaller)
+    assert path.word == "none_of_mine" and len(path.rounds) == 2 and smaller == []
+    assert "with a second one 82 % of it are closed" in path.remarks[0]
+    # Had the first closed half of it, a third would have been looked for.
+    rounds[0] = found(0.1, 0.5, 0.6)
+    path = searched(monkeypatch, left, rounds, alarms=3, smaller=smaller)
+    assert path.word == "named" and len(path.rounds) == 3 and len(smaller) == 3
 
 
 def test_a_fault_of_the_record_is_told_of_and_not_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -79,6 +79,10 @@ _COLLINEAR: Final = (
     "Together {} meet the readings, but each of them may as well be nothing beside the others: "
     "they make up for each other, and what is missing is none of them for certain."
 )
+_NO_PAIR: Final = (
+    "The first effect closes less than half of the gap, and with a second one {:.0f} % of it are "
+    "closed: neither is named."
+)
 # An effect may as well be absent where scatter gives strengths as large with this chance, and
 # explains as much of what is left [1].
 _ABSENT: Final = 0.05
@@ -142,7 +146,12 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace, *, rough: b
         standing, rounds = pruned(standing, rounds, table.threshold**2, pace, remarks)
         if one.closed < _PART:
             break
-        standing, rounds = on_small_cells(standing, rounds, begun, before, pace, remarks)
+        if tentative(rounds[0]) and len(rounds) > 1 and _unmet(begun, standing):
+            remarks.append(_NO_PAIR.format(100 * share_closed(begun, standing)))
+            break
+        if not tentative(rounds[-1]):
+            # Before, most of the gap is still there, and what is left is not the cells'.
+            standing, rounds = on_small_cells(standing, rounds, begun, before, pace, remarks)
         pace.step("allowing for what the shapes of places may make wrong")
         settled, standing = standing, with_doubt(standing, begun.allowed)
         doubted, most = standing, table.threshold**2
@@ -362,8 +371,13 @@ def _word(begun: Standing, last: Standing, rounds: list[Round], table: ScoreTabl
     if not rounds:
         gap = _alarm(table) or begun.chance() <= BY_SHAPES
         return "none_of_mine" if gap else "no_gap"
-    unmet = share_closed(begun, last) < CLOSED and last.chance() <= BY_SHAPES
+    unmet = _unmet(begun, last)
     return "none_of_mine" if unmet or collinear(rounds) else verdict_of(rounds)
+
+
+def _unmet(begun: Standing, last: Standing) -> bool:
+    """Whether effects close too little of the gap to be named, and leave more than noise."""
+    return share_closed(begun, last) < CLOSED and last.chance() <= BY_SHAPES
 
 
 def made_up(rounds: Sequence[Round]) -> list[str]:
