@@ -146,10 +146,10 @@ def scores_of(**scores: float) -> ScoreTable:
 @pytest.mark.parametrize(
     ("scores", "kept"),
     [
-        ({"void": 90.0, "heater_power": 10.4}, []),
-        ({"void": 90.0, "heater_power": -10.6}, ["heater_power"]),
-        ({"heater_power": 5.0, "latent_heat": 10.6}, ["heater_power", "latent_heat"]),
-        ({"in_depth_absorption": 11.0, "void": 9.0}, ["in_depth_absorption"]),
+        ({"void": 90.0, "heater_power": 6.9}, []),
+        ({"void": 90.0, "heater_power": -7.1}, ["heater_power"]),
+        ({"heater_power": 5.0, "latent_heat": 7.1}, ["heater_power", "latent_heat"]),
+        ({"in_depth_absorption": 7.5, "void": 9.0}, ["in_depth_absorption"]),
         # Nothing absorbs less than none of its light below the surface.
         ({"in_depth_absorption": -11.0, "heater_power": 4.0}, []),
         ({}, []),
