@@ -74,7 +74,13 @@ def tried(
     effect: Any = one_round(["evaporation"], 0.9).effect
     monkeypatch.setattr(_replacement, "in_place_of", other)
     monkeypatch.setattr(_replacement, "effect_of", lambda *_: effect)
-    less = {"without": lambda *_: standing(1e3, 3), "fitted": lambda *_, **__: standing(alone, 3)}
+
+    def fitted(one: Standing, *, times: int, rival: float) -> Standing:
+        # Half of 100 squares, of the 12 by which it may be behind, and four entries.
+        assert (one.active, times) == ((LATER,), 0) and rival == pytest.approx(50 + 6 + 4)
+        return standing(alone, 3)
+
+    less = {"without": lambda *_: standing(1e3, 3, active=(LATER,)), "fitted": fitted}
     for name, fake in less.items():
         monkeypatch.setattr(_replacement, name, fake)
     monkeypatch.setattr(

@@ -229,9 +229,15 @@ def in_place_of(standing: Standing, number: int, rival: Refit, most: float) -> S
         (name, part) if place == number else one for place, one in enumerate(standing.active)
     )
     there = replace(less, point=replace(less.point, candidates=kept), active=active)
-    # What was fitted less may leave more, for the criterion.
-    worst = standing.ended.loss() + (most / 2 + standing.ended.fitted()) * standing.misfit()
-    return fitted(there, times=0, rival=worst)
+    return fitted(there, times=0, rival=within(standing, most))
+
+
+def within(standing: Standing, most: float) -> float:
+    """The loss [1] of what comes within `most` in squares [1] of where a search stands.
+
+    What was fitted less may leave more, for the criterion.
+    """
+    return standing.ended.loss() + (most / 2 + standing.ended.fitted()) * standing.misfit()
 
 
 def on_same_cells(one: Refit, best: Refit) -> Refit:

@@ -12,7 +12,7 @@ import numpy as np
 from thermo.discover._candidate import Transition
 from thermo.discover._entries import Active
 from thermo.discover._pace import Pace
-from thermo.discover._refits import Refit, in_place_of, near_best
+from thermo.discover._refits import Refit, in_place_of, near_best, within
 from thermo.discover._rounds import behind, effect_of
 from thermo.discover._standing import WORTH, Standing, fitted, without
 from thermo.discover._verdict import Round
@@ -92,8 +92,7 @@ def _less(one: Round, name: str) -> Round:
 def _needed(standing: Standing, number: int, most: float, pace: Pace) -> bool:
     """Whether the others at work do not do without an effect, by `most` in squares [1]."""
     pace.step(f"trying without {standing.active[number][0]}")
-    worst = standing.ended.loss() + (most / 2 + standing.ended.fitted()) * standing.misfit()
-    less = fitted(without(standing, number), times=0, rival=worst)
+    less = fitted(without(standing, number), times=0, rival=within(standing, most))
     return min(behind(less.ended, standing.ended, standing.misfit())) >= most
 
 
