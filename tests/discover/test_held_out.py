@@ -72,3 +72,18 @@ def test_readings_that_follow_each_other_are_as_much_noise_as_they_are() -> None
     assert 0.4 < found.interval95[0] < 0.5 < found.interval95[1] < 0.6
     alike = _compared((noise[100:], noise[100:]), one, time)
     assert alike.gap_closed is None, "nothing to close"
+
+
+def test_noise_is_what_a_model_that_is_right_leaves() -> None:
+    random, size = np.random.default_rng(5), 0.05
+    points = random.uniform(0.0, 0.02, (400, 3))
+    errors = 0.3 * random.standard_normal(400)
+    read = 300.0 + errors + size * random.standard_normal((90, 400))
+    time = np.linspace(0.0, 8.0, 80)
+    # Ten quiet frames leave a tenth of a reading's variance of each sample's constant error.
+    run = Run("dark", Recording(points, time, read[10:], quiet=read[:10]), 300.0, 300.0, 300.0)
+    apart = read[10:] - read[:10].mean(0)
+    found = _compared((apart, apart), run, time)
+    assert found.noise == pytest.approx(size * np.sqrt(1.1), rel=0.02)
+    assert found.rms_after == pytest.approx(found.noise, rel=0.02)
+    assert found.gap_closed is None

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lit_box import FRAMES, POINTS, run
 
-from thermo.inverse import staying
-from thermo.observe import estimate_noise
+from thermo.inverse import left_open, staying
+from thermo.observe import Recording, Run, estimate_noise
 
 SHAPE = (len(FRAMES), len(POINTS))
 
@@ -36,3 +36,17 @@ def test_a_sample_that_reads_nothing_has_none() -> None:
     apart[:, 2] = np.nan
     found = staying(apart, replace(run(), constant_error=20.0))
     assert found[2] == 0.0 and found[0] == pytest.approx(1.0, rel=1e-6)
+
+
+def test_means_of_quiet_frames_leave_open_what_they_scatter_by() -> None:
+    random = np.random.default_rng(1)
+    # What whole frames are off by stays in the means of twelve quiet frames as well.
+    own, whole = 0.05 * random.standard_normal((12, 900)), 0.2 * random.standard_normal((12, 1))
+    points, time = random.uniform(0.0, 0.02, (900, 3)), np.linspace(0.0, 1.0, 3)
+    record = Recording(points, time, np.full((3, 900), 300.0), quiet=300.0 + own + whole)
+    found = left_open(Run("dark", record, 300.0, 300.0, 300.0))
+    noise = estimate_noise(record)
+    np.testing.assert_allclose(found, (noise.long_run() ** 2 + noise.frame**2) / 12)
+    assert np.sqrt(found.mean()) == pytest.approx(np.std(whole) / np.sqrt(12), rel=0.2)
+    blind = Recording(points, time, np.full((3, 900), 300.0))
+    assert not left_open(Run("dark", blind, 300.0, 300.0, 300.0)).any()

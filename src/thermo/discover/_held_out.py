@@ -12,7 +12,7 @@ from jaxtyping import Float
 from thermo.discover._bench import Bench, finer_runs
 from thermo.discover._extended import Extended
 from thermo.discover._verdict import Differences, HeldOut
-from thermo.inverse import at_once, coarse_tangents, lay_out, staying
+from thermo.inverse import at_once, coarse_tangents, lay_out, left_open, staying
 from thermo.observe import Run, estimate_noise, variance_error
 
 # Fewer samples than these [1] are no sample of the body; draws of them.
@@ -54,12 +54,16 @@ def _compared(
     apart_there = Differences(time, run.recording.points, *both)
     before, after = (float(np.sqrt(np.nanmean(each**2))) for each in both)
     told, doubt = estimate_noise(run.recording), variance_error(run.recording)
-    noise, count = told.fluctuation(), np.isfinite(both[0]).sum(0)
-    squares = np.stack([*(np.nansum(each**2, 0) for each in both), noise**2 * count])
+    count, size = np.isfinite(both[0]).sum(0), told.fluctuation() ** 2
+    # What quiet frames leave open of a sample's constant error is in all of its differences.
+    stays = left_open(run)
+    squares = np.stack([*(np.nansum(each**2, 0) for each in both), (size + stays) * count])
     whole = squares.sum(1)
+    noise = float(np.sqrt(whole[2] / count.sum()))
     # Beyond the scatter of noise alone there is nothing to close.
     follow = (1 + told.correlation**2) / (1 - told.correlation**2)
-    if whole[0] - whole[2] <= 5 * noise**2 * np.sqrt(2 * count.sum() * follow):
+    scatter = np.sqrt(2 * (follow * size**2 * count.sum() + np.sum((stays * count) ** 2)))
+    if whole[0] - whole[2] <= 5 * scatter:
         return HeldOut(before, after, noise, None, None, doubt, apart_there)
     ends = closed_interval(squares, doubt)
     return HeldOut(before, after, noise, float(closed(whole)), ends, doubt, apart_there)

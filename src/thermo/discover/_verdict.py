@@ -112,7 +112,8 @@ class Differences:
 class HeldOut:
     """A run that was not fitted.
 
-    - `rms_before`, `rms_after`, `noise`: of differences and of a reading [K].
+    - `rms_before`, `rms_after`: of differences, each sample's constant error taken off; `noise`:
+      what a model that is right leaves of them, which has what is not known of those errors [K].
     - `gap_closed`: share of the squares beyond noise [1], None where there are none;
       `interval95`: of that share were other samples read, and noise told anew, None where too few
       are.

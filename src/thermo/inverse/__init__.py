@@ -71,7 +71,7 @@ from thermo.inverse._sensitivity import Sensitivity, sensitivity, unfitted
 from thermo.inverse._side_by_side import at_once
 from thermo.inverse._smoothing import ALL_BUT_UNIFORM
 from thermo.inverse._stages import coarse_tangents, make_objective
-from thermo.inverse._staying import staying
+from thermo.inverse._staying import left_open, staying
 from thermo.inverse._stepping import Stepping
 from thermo.inverse._task import Prior, Ready, Task, lay_out, mesh_for, stand_in
 from thermo.inverse._transfer import carry_over
@@ -138,6 +138,7 @@ __all__ = [
     "invert",
     "law_of",
     "lay_out",
+    "left_open",
     "load_checkpoint",
     "load_estimate",
     "log_model",

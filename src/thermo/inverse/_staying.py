@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float
 
+from thermo.inverse._case import common_deviations, constant_error
 from thermo.observe import Run, estimate_noise
 
 
@@ -23,3 +24,14 @@ def staying(apart: Float[np.ndarray, "frames samples"], run: Run) -> Float[np.nd
     mean = np.where(known, apart, 0.0).sum(0) / np.maximum(count, 1)
     own = estimate_noise(run.recording).mean_variance(np.maximum(count, 1))
     return np.where(count > 0, mean / (1 + own / run.constant_error**2), 0.0)
+
+
+def left_open(run: Run) -> Float[np.ndarray, " samples"]:
+    """Variance of what quiet frames leave of each sample's constant error [K2], zero without them.
+
+    A reading less what its sample reads at rest scatters by that as well, alike in all frames.
+    """
+    if not run.recording.knows_quiet():
+        return np.zeros(len(run.recording.points))
+    noise = estimate_noise(run.recording)
+    return constant_error(run, noise)[1] + common_deviations(run, noise)[1] ** 2
