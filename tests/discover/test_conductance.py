@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from jax.flatten_util import ravel_pytree
-from lit_box import FRAMES, SIZE, at, one
+from lit_box import FRAMES, MESH, SIZE, at, one
 
 from thermo.discover import Candidate, Place
-from thermo.discover._conductance import conductance_of
+from thermo.discover._conductance import conductance_of, strength_between
 from thermo.discover._extended import Extended
 from thermo.discover._standing import free_of
 from thermo.discover.candidates import (
@@ -20,12 +22,14 @@ from thermo.discover.candidates import (
     SupportContact,
 )
 from thermo.inverse import Objective
+from thermo.physics import discretise
 
 from .lit_objective import objective as made
 from .lit_objective import standing_at
 
 X, Y, Z = SIZE
 DEPTH = 0.004  # m
+FIRST = 0.001  # m, of a depth
 
 
 @pytest.fixture(scope="module")
@@ -84,6 +88,31 @@ def test_it_is_known_where_h_and_its_reach_make_up_for_each_other(objective: Obj
     lone[0, size] = -0.5 * 0.1 * 0.002 / free.scale[size]
     both = told(objective, patch, lone)
     assert both is not None and both[1] < 0.25 * found[1]
+
+
+def leaning(objective: Objective, turn: float, share: float) -> tuple[float, float] | None:
+    """Between which a contact is, of 2 to 3 mW/K, whose depth is a share of the first one [1].
+
+    The box is turned about z [rad], so that an edge of it lies at the end in question.
+    """
+    way = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
+    body = replace(objective, space=discretise(replace(MESH, nodes=MESH.nodes @ way.T)))
+    first = SupportContact(jnp.zeros(6).at[0].set(200.0), Place(None, jnp.full(6, FIRST)))
+    standing = standing_at(body, first)
+    there = replace(first, place=Place(None, jnp.full(6, share * FIRST)))
+    standing = replace(standing, point=replace(standing.point, candidates=(there,)))
+    return strength_between(standing, standing.active[0], free_of(standing), (0.002, 0.003))
+
+
+def test_of_a_contact_along_a_line_only_its_whole_is_known(objective: Objective) -> None:
+    found = leaning(objective, np.pi / 4, SupportContact.card.smallest)
+    assert found is not None
+    # Two strips along the edge and a corner at each end of it, at most as deep as four first ones.
+    least, most = (2 * d * (np.sqrt(2) * Z + d) for d in (1e-3 * FIRST, 4 * FIRST))
+    assert found[0] == pytest.approx(0.002 / most, rel=0.05)
+    assert found[1] == pytest.approx(0.003 / least, rel=0.05)
+    assert leaning(objective, np.pi / 4, 0.01) is None, "a depth that readings tell"
+    assert leaning(objective, 0.0, SupportContact.card.smallest) is None, "on a flat side"
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Final
 
 import jax
 import jax.numpy as jnp
@@ -10,13 +11,18 @@ import numpy as np
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
-from thermo.discover._candidate import AbstractHeatCandidate, Candidate
+from thermo.discover._candidate import AbstractHeatCandidate, Candidate, Place
 from thermo.discover._descent import Free
 from thermo.discover._entries import Active, Entry, entry_of
-from thermo.discover._extended import Extended
+from thermo.discover._extended import Extended, numbers
 from thermo.discover._standing import Standing, has_places, take
 from thermo.inverse import case_model, with_fields
 from thermo.physics.effects import Contact, Convection
+
+_AT_END: Final = 1.01
+"""Times the least depth [1] up to which one has come to it."""
+_STAYS: Final = 1.2
+"""Times a footprint of the least depth [1] from which one ten times as deep is another."""
 
 
 def conductance_of(
@@ -45,6 +51,46 @@ def conductance_of(
         return None
     slope = np.asarray(jax.grad(whole)(flat))[free.number] * free.scale
     return float(value), float(np.sqrt(slope @ covariance @ slope))
+
+
+def strength_between(
+    standing: Standing, active: Active, free: Free, taken: tuple[float, float]
+) -> tuple[float, float] | None:
+    """In which a strength [W/m2/K] lies whose footprint has come to the least depth there can be.
+
+    On a side that is flat the footprint stays, and None is returned, as where the depth is larger.
+    On a round one it is a line, and readings tell alone how much is `taken` in all of it [W/K],
+    between two ends: by little over a deep footprint, or by much on that line.
+    """
+    kind, part = entry_of(standing.point, active).kind, active[1]
+    every = standing.point.candidates
+    candidate, place = every[kind], every[kind].place
+    if not isinstance(place, Place) or place.centre is not None:
+        return None
+    least, most = _ends(standing.point, free, kind, part)
+    strength = float(candidate.strength[part])
+    if float(place.size[part]) > _AT_END * least or not strength > 0:
+        return None
+
+    def footprint(depth: float) -> float:
+        deep = replace(candidate, place=Place(None, place.size.at[part].set(depth)))
+        others = (*every[:kind], deep, *every[kind + 1 :])
+        value = _taken(standing, active, replace(standing.point, candidates=others))
+        assert value is not None
+        return float(value) / strength
+
+    line = footprint(least)
+    if footprint(10 * least) < _STAYS * line:
+        return None
+    return taken[0] / footprint(most), taken[1] / line
+
+
+def _ends(point: Extended, free: Free, kind: int, part: int) -> tuple[float, float]:
+    """The least and the largest size that a place may have [m]."""
+    where = numbers(point).at.candidates[kind].place
+    assert where is not None, "asked of candidates with a place alone"
+    at = int(np.flatnonzero(free.number == int(where.size[part]))[0])
+    return float(free.low[at]), float(free.high[at])
 
 
 def _taken(standing: Standing, active: Active, point: Extended) -> Float[Array, ""] | None:

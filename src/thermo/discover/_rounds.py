@@ -10,7 +10,7 @@ from jax.flatten_util import ravel_pytree
 from scipy.stats import chi2
 
 from thermo.discover._candidate import Candidate, Transition
-from thermo.discover._conductance import conductance_of
+from thermo.discover._conductance import conductance_of, strength_between
 from thermo.discover._descent import Ended
 from thermo.discover._entries import Active, Entry, entry_of
 from thermo.discover._met import met_runs
@@ -151,11 +151,12 @@ def effect_of(
     at = None if band is None else (float(band.centre[entry.part]), float(band.size[entry.part]))
     whole = conductance_of(standing, active, free, covariance)
     low, high = entry.card.low, entry.card.high
+    taken = None if whole is None else _within(*whole, 0.0 if low >= 0 else -np.inf, np.inf)
+    between = None if taken is None else strength_between(standing, active, free, taken)
     return Effect(
-        entry.card, value, sd, _within(value, sd, low, high), centre, size, at,
-        None if whole is None else whole[0],
-        None if whole is None else _within(*whole, 0.0 if low >= 0 else -np.inf, np.inf),
-        joint, _side(entry), _depth(candidate, entry), chance=chance,
+        entry.card, value, sd, between or _within(value, sd, low, high), centre, size, at,
+        None if whole is None else whole[0], taken, joint, _side(entry), _depth(candidate, entry),
+        chance=chance,
     )  # fmt: skip
 
 
