@@ -20,6 +20,7 @@ from thermo.discover._bench import Bench
 from thermo.discover._entries import Entry
 from thermo.discover._pace import silent
 from thermo.discover._path import SearchPath, search, twice
+from thermo.discover._refits import Refit
 from thermo.discover._scores import Score, ScoreTable
 from thermo.discover._standing import Standing
 from thermo.discover.candidates import CameraDrift, Void
@@ -344,3 +345,22 @@ def test_the_largest_score_that_is_not_followed_is_told_in_thresholds() -> None:
 def test_what_no_score_reaches_is_not_refitted(left: float, z: float, far: bool) -> None:
     # Of 160 beyond noise a score of 7 shows 49, and one of 5 no more than 25.
     assert _path._out_of_reach(standing(left, 2), table_of(z)) is far
+
+
+@pytest.mark.parametrize("left", [61.0, np.inf])
+def test_the_simplest_is_put_first_unless_fine_cells_cannot_take_it(
+    monkeypatch: pytest.MonkeyPatch, left: float
+) -> None:
+    entry = Entry(0, 0, Void.card, np.array([0]))
+    score = Score(entry, 5.0, np.ones(1), 0.2, 1.0, 0.3, slice(0, 1))
+    best, simple = (Refit(score, standing(told, 1), standing(80.0, 0)) for told in (60.0, 62.0))
+    measured = standing(50.0, 1)
+    residual = np.full_like(measured.ended.residual, left)
+    measured = replace(measured, ended=replace(measured.ended, residual=residual))
+    monkeypatch.setattr(_path, "simplest_first", lambda *_: [simple, best])
+    monkeypatch.setattr(_path, "fitted", lambda *_, **__: measured)
+    found = _path.put_first([best, simple], 12.0)
+    if np.isfinite(left):
+        assert found[0].standing is measured and found[1] is best
+    else:
+        assert found == [best]

@@ -13,7 +13,8 @@ from standings import standing
 
 from thermo.discover import _standing
 from thermo.discover._bench import Apart, Bench
-from thermo.discover._standing import Standing, fitted, refined, share_closed
+from thermo.discover._standing import Standing, fitted, lost, measured, refined, share_closed
+from thermo.errors import InputError
 from thermo.inverse import Ready
 
 from .lit_objective import box_task, objective
@@ -81,3 +82,19 @@ def test_what_the_smallest_cells_leave_scatters_scores_where_cells_are_rough(
     # Of the error 0.4 in each value nothing is fitted away, and there is one smooth shape.
     values = len(before.ended.residual)
     assert scatter == pytest.approx(np.sqrt(1 + 0.4**2 * values) if rough else 1.0)
+
+
+def test_a_point_that_fine_cells_cannot_take_leaves_infinitely_much(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def burst(*_: object) -> Apart:
+        raise InputError("there cannot be", where="", value="-9e14 K", limit="0 K", remedy="units")
+
+    monkeypatch.setattr(_standing, "finer_runs", burst)
+    monkeypatch.setattr(_standing, "with_few_places", lambda one: (one, {}))
+    monkeypatch.setattr(_standing, "with_all_places", lambda _, small, __: small)
+    monkeypatch.setattr(_standing, "free_of", lambda _: None)
+    here = standing(60.0, 1)
+    assert not lost(here) and lost(measured(here))
+    found = fitted(here, times=1)
+    assert found.ended.loss() == np.inf and found.point is here.point

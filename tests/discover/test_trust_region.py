@@ -15,8 +15,8 @@ from thermo.discover import _trust_region as module
 from thermo.discover._bench import Bench
 from thermo.discover._descent import Ended, Free
 from thermo.discover._extended import Extended
-from thermo.discover._standing import Standing
-from thermo.discover._trust_region import in_short_steps, kept_promise
+from thermo.discover._standing import Standing, lost
+from thermo.discover._trust_region import in_short_steps, kept_promise, remeasured
 
 TRUE, SLOPE = 3.0, 10.0
 FREE = Free(np.array([0]), np.ones(1), np.full(1, -20.0), np.full(1, 20.0), np.zeros(1, bool))
@@ -111,3 +111,22 @@ def test_one_that_will_not_reach_its_rival_is_left(monkeypatch: pytest.MonkeyPat
         found = in_short_steps(toy.begun, rival)
         assert len(toy.tried) == wanted
         assert place(found) == toy.tried[-1] == {4: 3.5, 7: 20.0}[wanted]
+
+
+def test_where_fine_cells_burst_it_turns_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    toy = Toy(0.3, monkeypatch)
+
+    def measured(one: Standing) -> Standing:
+        if place(one) <= 2.0:
+            return toy.measured(one)
+        return replace(one, ended=replace(one.ended, residual=np.array([np.inf])))
+
+    monkeypatch.setattr(module, "measured", measured)
+    monkeypatch.setattr(
+        module, "not_moved", lambda one, free: one if lost(one) else toy.not_moved(one, free)
+    )
+    begun = toy.not_moved(toy.begun, FREE)
+    far = toy.descended(begun, FREE)
+    assert place(far) > 2.0 and not kept_promise(begun, far, remeasured(far))
+    found = in_short_steps(toy.begun)
+    assert 1.0 < place(found) <= 2.0 and np.isfinite(found.ended.loss())

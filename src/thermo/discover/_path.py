@@ -37,6 +37,7 @@ from thermo.discover._standing import (
     WORTH,
     Standing,
     fitted,
+    lost,
     refined,
     share_closed,
     without,
@@ -312,7 +313,10 @@ def put_first(made: list[Refit], most: float) -> list[Refit]:
     """
     order = simplest_first(made, most)
     if order and order[0] is not made[0]:
-        order[0] = replace(order[0], standing=fitted(order[0].standing, times=1))
+        first = replace(order[0], standing=fitted(order[0].standing, times=1))
+        if lost(first.standing):
+            return [one for one in made if one is not order[0]]
+        order[0] = first
     return order
 
 

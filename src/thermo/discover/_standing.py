@@ -22,6 +22,7 @@ from thermo.discover._entries import Active, entry_of, field_entries, free_entri
 from thermo.discover._extended import Extended, moved
 from thermo.discover._projection import projection
 from thermo.discover._softening import error_columns, omnibus
+from thermo.errors import InputError
 from thermo.inverse import Objective
 
 WORTH: Final = 0.5
@@ -154,7 +155,8 @@ def _put_back(one: Candidate, few: Candidate, parts: Parts) -> Candidate:
 def fitted(standing: Standing, *, times: int, rival: float = np.inf) -> Standing:
     """Least squares from where it stands; what cells make wrong is measured `times` before [1].
 
-    One that will not reach the loss of a `rival` [1] is not followed to its end.
+    One that will not reach the loss of a `rival` [1] is not followed to its end, nor one that is
+    `lost`.
 
     Of effects with a place only those at work take part, and one of each other kind: all refits
     share one program, and it is as small as that allows.
@@ -165,6 +167,8 @@ def fitted(standing: Standing, *, times: int, rival: float = np.inf) -> Standing
     for number in range(max(times, 1)):
         if number < times:
             small = measured(small)
+        if lost(small):
+            break
         small = descended(small, free, rival)
     return with_all_places(standing, small, kept)
 
@@ -183,9 +187,22 @@ def with_all_places(standing: Standing, small: Standing, kept: Mapping[str, Part
 
 
 def measured(standing: Standing) -> Standing:
-    """With what cells make wrong measured where it stands [K], not fitted anew."""
-    wanted = finer_runs(standing.bench, standing.point)
+    """With what cells make wrong measured where it stands [K], not fitted anew.
+
+    It is `lost` where temperatures on the finer cells are such as there cannot be: a law that is
+    negative at some of them may burst there and not on coarse ones.
+    """
+    try:
+        wanted = finer_runs(standing.bench, standing.point)
+    except InputError:
+        nothing_holds = np.full_like(standing.ended.residual, np.inf)
+        return replace(standing, ended=replace(standing.ended, residual=nothing_holds))
     return replace(standing, bench=corrected(standing.bench, standing.point, wanted))
+
+
+def lost(standing: Standing) -> bool:
+    """Whether infinitely much is left where it stands [1]: nothing is to be fitted from there."""
+    return not bool(np.isfinite(standing.ended.residual).all())
 
 
 def refined(standing: Standing, bench: Bench, *, rough: bool) -> Standing:
@@ -222,7 +239,9 @@ def descended(standing: Standing, free: Free, rival: float = np.inf) -> Standing
 
 
 def not_moved(standing: Standing, free: Free) -> Standing:
-    """What is left where it stands, and its slopes [1], nothing fitted."""
+    """What is left where it stands, and its slopes [1], nothing fitted; nothing holds if `lost`."""
+    if lost(standing):
+        return standing
     follows = _asked(standing, free)
     return _recalled("left", standing, follows, lambda: begun(*follows))
 
