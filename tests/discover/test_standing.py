@@ -8,16 +8,30 @@ from pathlib import Path
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from lit_box import MESH, STATED
+from lit_box import MESH, STATED, one
 from standings import standing
 
 from thermo.discover import _standing
 from thermo.discover._bench import Apart, Bench
-from thermo.discover._standing import Standing, fitted, lost, measured, refined, share_closed
+from thermo.discover._slope_limits import slope_limits
+from thermo.discover._standing import (
+    Standing,
+    fitted,
+    free_of,
+    lost,
+    measured,
+    refined,
+    share_closed,
+)
+from thermo.discover.candidates import (
+    MissingRadiation,
+    TemperatureDependentConductivity,
+    TemperatureDependentHeatCapacity,
+)
 from thermo.errors import InputError
-from thermo.inverse import Ready
+from thermo.inverse import Ready, Task
 
-from .lit_objective import box_task, objective
+from .lit_objective import RUNS, box_task, objective, partly, standing_at
 
 
 def test_what_is_left_is_never_less_than_noise() -> None:
@@ -98,3 +112,17 @@ def test_a_point_that_fine_cells_cannot_take_leaves_infinitely_much(
     assert not lost(here) and lost(measured(here))
     found = fitted(here, times=1)
     assert found.ended.loss() == np.inf and found.point is here.point
+
+
+def test_a_law_is_free_as_far_as_it_stays_above_zero() -> None:
+    laws = TemperatureDependentHeatCapacity(one(1e-3)), TemperatureDependentConductivity(one(1e-3))
+    made = standing_at(objective(), *laws, MissingRadiation(one(0.1)))
+    whole = partly(
+        Bench, coarse=made.bench.coarse, ready=partly(Ready, mesh=MESH, stated=STATED),
+        task=partly(Task, runs=RUNS),
+    )  # fmt: skip
+    free = free_of(replace(made, bench=whole))
+    low, high = slope_limits(None, RUNS)
+    assert -0.05 < low < 0 < high
+    assert (free.low[-3:-1] == low).all() and (free.high[-3:-1] == min(high, 0.05)).all()
+    assert free.low[-1] == MissingRadiation.card.low

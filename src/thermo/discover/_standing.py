@@ -21,7 +21,12 @@ from thermo.discover._descent import Ended, Free, begun, descend
 from thermo.discover._entries import Active, entry_of, field_entries, free_entries, joined
 from thermo.discover._extended import Extended, moved
 from thermo.discover._projection import projection
+from thermo.discover._slope_limits import slope_limits
 from thermo.discover._softening import error_columns, omnibus
+from thermo.discover.candidates import (
+    TemperatureDependentConductivity,
+    TemperatureDependentHeatCapacity,
+)
 from thermo.errors import InputError
 from thermo.inverse import Objective
 
@@ -69,12 +74,23 @@ class Standing:
 def free_of(standing: Standing) -> Free:
     """Fields and the parts of candidates at work, free [1]."""
     point = standing.point
-    parts = [
-        free_entries(point, entry_of(point, one), standing.first[one[0]], box_of(standing))
-        for one in standing.active
-    ]
     first = standing.bench.first(()).fields
-    return joined(field_entries(point, first), *parts)
+    return joined(
+        field_entries(point, first), *(_of_part(standing, one) for one in standing.active)
+    )
+
+
+def _of_part(standing: Standing, active: Active) -> Free:
+    """The entries of a part at work, free [1]: a law stays above zero at all that was read."""
+    entry, before = entry_of(standing.point, active), standing.first[active[0]]
+    free = free_entries(standing.point, entry, before, box_of(standing))
+    if not isinstance(before, TemperatureDependentConductivity | TemperatureDependentHeatCapacity):
+        return free
+    stated = standing.bench.ready.stated
+    conducts = isinstance(before, TemperatureDependentConductivity)
+    law = stated.conductivity_law if conducts else stated.capacity_law
+    least, most = slope_limits(law, standing.bench.task.runs)
+    return replace(free, low=np.maximum(free.low, least), high=np.minimum(free.high, most))
 
 
 def box_of(standing: Standing) -> Float[np.ndarray, "2 3"]:
