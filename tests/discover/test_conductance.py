@@ -90,10 +90,13 @@ def test_it_is_known_where_h_and_its_reach_make_up_for_each_other(objective: Obj
     assert both is not None and both[1] < 0.25 * found[1]
 
 
-def leaning(objective: Objective, turn: float, share: float) -> tuple[float, float] | None:
+def leaning(
+    objective: Objective, turn: float, share: float, error: float = 0.0
+) -> tuple[float, float] | None:
     """Between which a contact is, of 2 to 3 mW/K, whose depth is a share of the first one [1].
 
-    The box is turned about z [rad], so that an edge of it lies at the end in question.
+    The box is turned about z [rad], so that an edge of it lies at the end in question; `error` of
+    the depth [m].
     """
     way = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
     body = replace(objective, space=discretise(replace(MESH, nodes=MESH.nodes @ way.T)))
@@ -101,17 +104,19 @@ def leaning(objective: Objective, turn: float, share: float) -> tuple[float, flo
     standing = standing_at(body, first)
     there = replace(first, place=Place(None, jnp.full(6, share * FIRST)))
     standing = replace(standing, point=replace(standing.point, candidates=(there,)))
-    return strength_between(standing, standing.active[0], free_of(standing), (0.002, 0.003))
+    free = free_of(standing)
+    covariance = np.zeros((len(free.number), len(free.number)))
+    covariance[-1, -1] = (error / free.scale[-1]) ** 2
+    return strength_between(standing, standing.active[0], free, covariance, (0.002, 0.003))
 
 
 def test_of_a_contact_along_a_line_only_its_whole_is_known(objective: Objective) -> None:
-    found = leaning(objective, np.pi / 4, SupportContact.card.smallest)
-    assert found is not None
     # Two strips along the edge and a corner at each end of it, at most as deep as four first ones.
     least, most = (2 * d * (np.sqrt(2) * Z + d) for d in (1e-3 * FIRST, 4 * FIRST))
-    assert found[0] == pytest.approx(0.002 / most, rel=0.05)
-    assert found[1] == pytest.approx(0.003 / least, rel=0.05)
-    assert leaning(objective, np.pi / 4, 0.01) is None, "a depth that readings tell"
+    told = pytest.approx((0.002 / most, 0.003 / least), rel=0.05)
+    assert leaning(objective, np.pi / 4, SupportContact.card.smallest) == told
+    assert leaning(objective, np.pi / 4, 0.1, 0.1 * FIRST) == told, "a depth that may be none"
+    assert leaning(objective, np.pi / 4, 0.1, 0.01 * FIRST) is None, "a depth that is known"
     assert leaning(objective, 0.0, SupportContact.card.smallest) is None, "on a flat side"
 
 

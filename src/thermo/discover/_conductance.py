@@ -16,11 +16,9 @@ from thermo.discover._descent import Free
 from thermo.discover._entries import Active, Entry, entry_of
 from thermo.discover._extended import Extended, numbers
 from thermo.discover._standing import Standing, has_places, take
-from thermo.inverse import case_model, with_fields
+from thermo.inverse import NORMAL, case_model, with_fields
 from thermo.physics.effects import Contact, Convection
 
-_AT_END: Final = 1.01
-"""Times the least depth [1] up to which one has come to it."""
 _STAYS: Final = 1.2
 """Times a footprint of the least depth [1] from which one ten times as deep is another."""
 
@@ -54,22 +52,29 @@ def conductance_of(
 
 
 def strength_between(
-    standing: Standing, active: Active, free: Free, taken: tuple[float, float]
+    standing: Standing,
+    active: Active,
+    free: Free,
+    covariance: Float[np.ndarray, "free free"],
+    taken: tuple[float, float],
 ) -> tuple[float, float] | None:
-    """In which a strength [W/m2/K] lies whose footprint has come to the least depth there can be.
+    """In which a strength [W/m2/K] lies whose footprint may be of the least depth there can be.
 
-    On a side that is flat the footprint stays, and None is returned, as where the depth is larger.
-    On a round one it is a line, and readings tell alone how much is `taken` in all of it [W/K],
-    between two ends: by little over a deep footprint, or by much on that line.
+    On a side that is flat the footprint stays, and None is returned, as where the depth is known to
+    be larger. On a round one it is a line, and readings tell alone how much is `taken` in all of it
+    [W/K], between two ends: by little over a deep footprint, or by much on that line.
+
+    Arguments: `free`, `covariance`: as for `conductance_of`.
     """
     kind, part = entry_of(standing.point, active).kind, active[1]
     every = standing.point.candidates
     candidate, place = every[kind], every[kind].place
     if not isinstance(place, Place) or place.centre is not None:
         return None
-    least, most = _ends(standing.point, free, kind, part)
-    strength = float(candidate.strength[part])
-    if float(place.size[part]) > _AT_END * least or not strength > 0:
+    at, strength = _number(standing.point, free, kind, part), float(candidate.strength[part])
+    least, most = float(free.low[at]), float(free.high[at])
+    known = NORMAL * np.sqrt(covariance[at, at]) * free.scale[at]
+    if float(place.size[part]) - known > least or not strength > 0:
         return None
 
     def footprint(depth: float) -> float:
@@ -85,12 +90,11 @@ def strength_between(
     return taken[0] / footprint(most), taken[1] / line
 
 
-def _ends(point: Extended, free: Free, kind: int, part: int) -> tuple[float, float]:
-    """The least and the largest size that a place may have [m]."""
+def _number(point: Extended, free: Free, kind: int, part: int) -> int:
+    """Which of the free entries is the size of a place [1]."""
     where = numbers(point).at.candidates[kind].place
     assert where is not None, "asked of candidates with a place alone"
-    at = int(np.flatnonzero(free.number == int(where.size[part]))[0])
-    return float(free.low[at]), float(free.high[at])
+    return int(np.flatnonzero(free.number == int(where.size[part]))[0])
 
 
 def _taken(standing: Standing, active: Active, point: Extended) -> Float[Array, ""] | None:

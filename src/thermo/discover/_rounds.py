@@ -152,7 +152,7 @@ def effect_of(
     whole = conductance_of(standing, active, free, covariance)
     low, high = entry.card.low, entry.card.high
     taken = None if whole is None else _within(*whole, 0.0 if low >= 0 else -np.inf, np.inf)
-    between = None if taken is None else strength_between(standing, active, free, taken)
+    between = taken and strength_between(standing, active, free, covariance, taken)
     return Effect(
         entry.card, value, sd, between or _within(value, sd, low, high), centre, size, at,
         None if whole is None else whole[0], taken, joint, _side(entry), _depth(candidate, entry),
