@@ -13,6 +13,7 @@ from standings import standing
 
 from thermo.discover import _standing
 from thermo.discover._bench import Apart, Bench
+from thermo.discover._descent import Free
 from thermo.discover._slope_limits import slope_limits
 from thermo.discover._standing import (
     Standing,
@@ -20,6 +21,7 @@ from thermo.discover._standing import (
     free_of,
     lost,
     measured,
+    not_moved,
     refined,
     share_closed,
 )
@@ -30,8 +32,11 @@ from thermo.discover.candidates import (
 )
 from thermo.errors import InputError
 from thermo.inverse import Ready, Task
+from thermo.physics.effects import TabulatedLaw
 
 from .lit_objective import RUNS, box_task, objective, partly, standing_at
+
+FREE = Free(np.array([0]), np.ones(1), -np.ones(1), np.ones(1), np.zeros(1, bool))
 
 
 def test_what_is_left_is_never_less_than_noise() -> None:
@@ -107,22 +112,29 @@ def test_a_point_that_fine_cells_cannot_take_leaves_infinitely_much(
     monkeypatch.setattr(_standing, "finer_runs", burst)
     monkeypatch.setattr(_standing, "with_few_places", lambda one: (one, {}))
     monkeypatch.setattr(_standing, "with_all_places", lambda _, small, __: small)
-    monkeypatch.setattr(_standing, "free_of", lambda _: None)
+    monkeypatch.setattr(_standing, "free_of", lambda _: FREE)
     here = standing(60.0, 1)
     assert not lost(here) and lost(measured(here))
     found = fitted(here, times=1)
     assert found.ended.loss() == np.inf and found.point is here.point
+    # Nothing is asked of coarse cells there, which this one has none of.
+    assert not_moved(found, FREE) is found
 
 
 def test_a_law_is_free_as_far_as_it_stays_above_zero() -> None:
     laws = TemperatureDependentHeatCapacity(one(1e-3)), TemperatureDependentConductivity(one(1e-3))
     made = standing_at(objective(), *laws, MissingRadiation(one(0.1)))
+    # Each keeps to its own law: a capacity that doubles in 20 K may be cut by more.
+    grows = TabulatedLaw(jnp.array([293.15, 313.15]), jnp.array([1.0, 2.0]))
+    stated = replace(STATED, capacity_law=grows)
     whole = partly(
-        Bench, coarse=made.bench.coarse, ready=partly(Ready, mesh=MESH, stated=STATED),
+        Bench, coarse=made.bench.coarse, ready=partly(Ready, mesh=MESH, stated=stated),
         task=partly(Task, runs=RUNS),
     )  # fmt: skip
     free = free_of(replace(made, bench=whole))
-    low, high = slope_limits(None, RUNS)
-    assert -0.05 < low < 0 < high
-    assert (free.low[-3:-1] == low).all() and (free.high[-3:-1] == min(high, 0.05)).all()
+    capacity, conductivity = (slope_limits(law, RUNS) for law in (grows, None))
+    assert -0.05 < capacity[0] < conductivity[0] < 0
+    np.testing.assert_array_equal(free.low[-3:-1], [capacity[0], conductivity[0]])
+    tops = np.minimum([capacity[1], conductivity[1]], 0.05)
+    np.testing.assert_array_equal(free.high[-3:-1], tops)
     assert free.low[-1] == MissingRadiation.card.low
