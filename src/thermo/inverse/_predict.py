@@ -30,6 +30,7 @@ from thermo.inverse._properties import (
     properties,
 )
 from thermo.inverse._selection import select_runs
+from thermo.inverse._side_by_side import at_once
 from thermo.inverse._stepping import free_grid
 from thermo.inverse._transfer import carry_over, check_same_object, medians
 from thermo.mesh import Mesh, Surface, expected_nodes
@@ -120,18 +121,18 @@ def predict(
     found = {name: (item.cells, item.faces) for name, item in fields.items()}
     least = diffusivity_quantile(stated, found, len(old.cells), 0.05)
     finer = _affordable(scene, surface, least, meshing)
-    mesh, coarse = (
-        make_mesh(scene, surface, least, meshing, finer=by) for by in (finer, finer / COARSER)
-    )
-
     asked = _Asked(scene.folder, stated, meshing.order, tolerance, additions or ())
-    both = {"spatial": carry_over(fields, old, mesh), "median": medians(fields, old, mesh)}
-    less = {"spatial": carry_over(fields, old, coarse)}
-    made = {}
-    for run in picked:
-        best, rough = asked.predicted(run, mesh, both), asked.predicted(run, coarse, less)
-        made[run.name] = _told_apart(best, rough)
-    return made
+
+    def on_edges(by: float) -> list[Prediction]:
+        mesh = make_mesh(scene, surface, least, meshing, finer=by)
+        carried = {"spatial": carry_over(fields, old, mesh)}
+        if by == finer:
+            carried["median"] = medians(fields, old, mesh)
+        return [asked.predicted(run, mesh, carried) for run in picked]
+
+    best, rough = at_once(on_edges, (finer, finer / COARSER))
+    pairs = zip(picked, best, rough, strict=True)
+    return {run.name: _told_apart(better, worse) for run, better, worse in pairs}
 
 
 def _told_apart(best: Prediction, rough: Prediction) -> Prediction:
@@ -210,4 +211,4 @@ def simulate(
         steps = free_grid(mesh, body, picked, tolerance=tolerance)
         return forward(mesh, meshing.order, picked, {"stated": body}, steps, where)
 
-    return _told_apart(made(1.0), made(1.0 / COARSER))
+    return _told_apart(*at_once(made, (1.0, 1.0 / COARSER)))

@@ -7,8 +7,9 @@ from ._build import mesh_from_cells
 from ._check_surface import check_surface
 from ._cylinder import cylinder_mesh
 from ._geometry import cell_quality, cell_volumes, face_areas, triangle_normals
-from ._locate import SurfacePoints, locate, nearest_triangle
+from ._locate import SurfacePoints, locate
 from ._mesh import Mesh
+from ._nearest_triangle import nearest_triangle
 from ._node_count import expected_nodes
 from ._patches import face_centres, faces_in_box, faces_towards, faces_where
 from ._promote import linear, promote

@@ -10,8 +10,8 @@ from jaxtyping import Float
 
 from ._gate import LEAST_QUALITY
 from ._geometry import face_areas, mean_ratio
-from ._locate import nearest_triangle
 from ._mesh import Mesh
+from ._nearest_triangle import nearest_triangle
 from ._surface import Surface
 
 FLAT: Final = 0.1

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Final, final
+from typing import final
 
 import equinox as eqx
 import numpy as np
 from jaxtyping import Float, Int
-from scipy.spatial import KDTree
 
 from thermo.errors import InputError
 
-from ._geometry import triangle_normals
 from ._mesh import Mesh
-from ._nearest import closest_on_triangles
-
-LARGEST_BATCH: Final = 400000
-"""Most pairs of point and triangle that are tried at once, to bound the memory."""
+from ._nearest_triangle import nearest_triangle
 
 
 @final
@@ -83,66 +78,3 @@ def locate(mesh: Mesh, points: np.ndarray) -> SurfacePoints:
     face, barycentric, distance = nearest_triangle(corners, points)
     weights = face_weights(barycentric, mesh.order)
     return SurfacePoints(face.astype(np.int32), weights, mesh.faces[face], distance)
-
-
-def nearest_triangle(
-    corners: Float[np.ndarray, "triangles 3 3"], points: Float[np.ndarray, "samples 3"]
-) -> tuple[
-    Int[np.ndarray, " samples"], Float[np.ndarray, "samples 3"], Float[np.ndarray, " samples"]
-]:
-    """The nearest triangle of each point, its barycentric coordinates there and the distance [m].
-
-    Triangles are searched in classes of like size, so that a few large ones cost little; the
-    answer is exact.
-    """
-    centres = corners.mean(axis=1)
-    radii = np.linalg.norm(corners - centres[:, None], axis=2).max(axis=1)
-    classes = np.floor(np.log2(np.maximum(radii, radii.max() * 2.0**-20) / radii.max()))
-    loose = np.arange(3 * len(corners)).reshape(-1, 3)
-    normals, _ = triangle_normals(corners.reshape(-1, 3), loose)
-    face = np.zeros(len(points), np.int64)
-    barycentric = np.zeros((len(points), 3))
-    distance = np.full(len(points), np.inf)
-    for size in np.unique(classes):
-        members = np.flatnonzero(classes == size)
-        tree = KDTree(centres[members])
-        widest = radii[members].max()
-        _search(corners, normals, members, tree, widest, points, face, barycentric, distance)
-    return face, barycentric, distance
-
-
-def _search(
-    corners: np.ndarray,
-    normals: np.ndarray,
-    members: np.ndarray,
-    tree: KDTree,
-    radius: float,
-    points: np.ndarray,
-    face: np.ndarray,
-    barycentric: np.ndarray,
-    distance: np.ndarray,
-) -> None:
-    """Improve the three result arrays in place with the triangles of one size class."""
-    open_points, count = np.arange(len(points)), min(8, len(members))
-    while open_points.size:
-        reach, hits = tree.query(points[open_points], k=count)
-        reach, hits = reach.reshape(-1, count), hits.reshape(-1, count)
-        parts = len(open_points) * count // LARGEST_BATCH + 1
-        for rows in np.array_split(np.arange(len(open_points)), parts):
-            chosen, tries = open_points[rows], members[hits[rows]]
-            # Long triangles have centres within reach of many points and planes within that of few.
-            off = points[chosen][:, None] - corners[tries, 0]
-            plane = np.abs(np.einsum("spi,spi->sp", off, normals[tries]))
-            row, column = np.nonzero(plane < distance[chosen, None])
-            weight, gap = closest_on_triangles(corners[tries[row, column]], points[chosen[row]])
-            gaps, at_gap = np.full(tries.shape, np.inf), np.zeros(tries.shape, np.int64)
-            gaps[row, column], at_gap[row, column] = gap, np.arange(len(row))
-            best, line = np.argmin(gaps, axis=1), np.arange(len(rows))
-            better = gaps[line, best] < distance[chosen]
-            at, found = chosen[better], at_gap[line, best][better]
-            distance[at], barycentric[at] = gap[found], weight[found]
-            face[at] = tries[line, best][better]
-        # Every triangle not tried yet has its centre beyond the last one tried.
-        unsure = reach[:, -1] - radius < distance[open_points]
-        open_points = open_points[unsure] if count < len(members) else open_points[:0]
-        count = min(4 * count, len(members))
