@@ -35,3 +35,15 @@ def test_rays_from_inside_and_rays_that_miss() -> None:
     assert inside.triangle[1] == -1 and np.isinf(inside.distance[1])
     beyond = first_hits(caster_of(SURFACE), np.array([0.0, 0, 3]), np.array([[0.0, 0, 1]]))
     assert beyond.triangle[0] == -1 and np.isnan(beyond.weights).all()
+
+
+def test_rays_that_begin_each_at_its_own_place() -> None:
+    random = np.random.default_rng(1)
+    places, lines = 0.5 * random.normal(size=(2, 200, 3)) / np.sqrt(3)
+    lines /= np.linalg.norm(lines, axis=1, keepdims=True)
+    caster = caster_of(SURFACE)
+    met = first_hits(caster, places, lines)
+    for number in range(0, 200, 20):
+        alone = first_hits(caster, places[number], lines[number : number + 1])
+        assert alone.triangle[0] == met.triangle[number] >= 0
+        assert alone.distance[0] == pytest.approx(met.distance[number], rel=1e-12)

@@ -7,10 +7,10 @@ from typing import final
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int
-from scipy.spatial import KDTree
+from jaxtyping import Array, Bool, Float
 
 from thermo.errors import InputError
+from thermo.inverse._light_path import LightPath, dark, light_path
 from thermo.inverse._properties import Properties
 from thermo.inverse._stated_places import SLACK, misses
 from thermo.observe import Box, Heater, Run
@@ -33,7 +33,7 @@ class Conditions(eqx.Module):
 
     - `initial`, `ambient`, `surroundings`: [K].
     - `power` [W], zero without a lamp; `profile` (faces, points) [1/m2]; `schedule`.
-    - `lit`: the face towards the lamp that is nearest to each cell, (cells,).
+    - `path`: of the lamp's light through the cells.
     - `exposed`: (faces,), 1 where a face exchanges with air and surroundings, 0 where it is
       insulated [1].
     - `own`: (faces,), 1 where the body's own convection holds, 0 where that of the air is known
@@ -48,7 +48,7 @@ class Conditions(eqx.Module):
     power: Float[Array, ""]
     profile: Float[Array, "faces points"]
     schedule: Schedule
-    lit: Int[Array, " cells"]
+    path: LightPath
     exposed: Float[Array, " faces"]
     own: Float[Array, " faces"]
     known: Float[Array, " faces"]
@@ -110,16 +110,6 @@ def _faces_in(box: Box, space: Discretisation, where: str) -> Bool[np.ndarray, "
     return inside
 
 
-def _nearest_lit(heater: Heater, space: Discretisation) -> Int[np.ndarray, " cells"]:
-    # Faces that light only grazes, or reaches by rounding, are not what it enters by.
-    towards = np.flatnonzero(-(space.mesh.normals @ heater.direction) > 0.1)
-    if not len(towards):
-        return np.zeros(len(space.mesh.cells), np.int32)
-    middle = space.mesh.nodes[space.mesh.faces[towards, :3]].mean(1)
-    near = KDTree(middle).query(space.mesh.nodes[space.mesh.cells[:, :4]].mean(1))[1]
-    return towards[near].astype(np.int32)
-
-
 def _schedule(heater: Heater) -> Schedule:
     course = heater.course
     logged = None
@@ -141,7 +131,7 @@ def conditions(run: Run, space: Discretisation) -> Conditions:
     air misses the surface.
     """
     heater = run.heater
-    profile, lit = np.zeros(np.shape(space.face_weight)), np.zeros(len(space.mesh.cells), np.int32)
+    profile, path = np.zeros(np.shape(space.face_weight)), dark(len(space.mesh.cells))
     power, schedule = 0.0, Schedule(jnp.zeros(()), jnp.zeros(()), None, jnp.zeros(()))
     if heater is not None:
         try:
@@ -157,7 +147,7 @@ def conditions(run: Run, space: Discretisation) -> Conditions:
                 remedy="check centre and direction, in metres and in the surface's axes",
             ) from miss
         power = heater.power
-        schedule, lit = _schedule(heater), _nearest_lit(heater, space)
+        schedule, path = _schedule(heater), light_path(heater, space)
     own, known, warmer = _air(run, space)
     return Conditions(
         initial=jnp.asarray(float(run.initial_temperature)),
@@ -166,7 +156,7 @@ def conditions(run: Run, space: Discretisation) -> Conditions:
         power=jnp.asarray(float(power)),
         profile=jnp.asarray(profile),
         schedule=schedule,
-        lit=jnp.asarray(lit),
+        path=path,
         exposed=jnp.asarray(_expose(run, space)),
         own=jnp.asarray(own),
         known=jnp.asarray(known),

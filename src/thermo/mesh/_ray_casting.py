@@ -84,9 +84,9 @@ def caster_of(surface: Surface) -> Caster:
 
 
 def first_hits(
-    caster: Caster, place: Float[np.ndarray, "3"], directions: Float[np.ndarray, "rays 3"]
+    caster: Caster, place: Float[np.ndarray, "*rays 3"], directions: Float[np.ndarray, "rays 3"]
 ) -> RayHits:
-    """The first triangle that rays meet, which begin at one place [m].
+    """The first triangle that rays meet, which begin at one place, or each at its own [m].
 
     Embree proposes triangles, for the ray itself and for two that are shifted to either side by a
     millionth of the body's radius; which of them the ray crosses, and where, is computed in double
@@ -100,13 +100,13 @@ def first_hits(
     count = len(directions)
     triangle = np.full(count, -1)
     weights, distance = np.full((count, 3), np.nan), np.full(count, np.inf)
-    eye = (place - caster.middle) / caster.radius
-    ahead = -(directions @ eye)
+    eye = np.broadcast_to((place - caster.middle) / caster.radius, directions.shape)
+    ahead = -(directions * eye).sum(axis=1)
     beside = np.linalg.norm(eye + ahead[:, None] * directions, axis=1)
     tried = np.flatnonzero((beside < _BEFORE) & (ahead > -_BEFORE))
     lines = directions[tried]
     skipped = np.maximum(ahead[tried] - _BEFORE, 0.0)
-    starts = eye + skipped[:, None] * lines
+    starts = eye[tried] + skipped[:, None] * lines
     for shift in (0.0, _ASIDE, -_ASIDE):
         found = _crossed(caster, starts, lines, shift)
         reach = skipped + found.along

@@ -109,7 +109,8 @@ class HeaterLag(AbstractHeatCandidate):
 class InDepthAbsorption(AbstractHeatCandidate):
     """Lamps of which a share is absorbed below the surface, as exp(-depth / size) / size.
 
-    One part for each depth, which is the size of its place.
+    The depth is measured along the light, which goes straight on within the body. One part for each
+    size, which is that of its place.
 
     Source: Modest, Radiative Heat Transfer (2013), section 10.4, Beer's law.
     """
@@ -126,13 +127,9 @@ class InDepthAbsorption(AbstractHeatCandidate):
 
     def to_model(self, model: Model, under: Conditions) -> Model:
         """The model [SI] with light that reaches below the surface."""
-        mesh, rule = model.space.mesh, volume_rule(model.space, FINE)
-        middle = jnp.asarray(mesh.nodes[mesh.faces[:, :3]].mean(1))[under.lit]
-        normal = jnp.asarray(mesh.normals)[under.lit]
-        below = jnp.maximum(jnp.sum((middle - rule.at) * normal, -1), 0.0)
-        shapes = jnp.exp(-below / self.place.size[:, None, None])
-        light = jnp.mean(under.profile, 1)[under.lit]
-        rate = rule.load(_released(rule, light * shapes, self.strength))
+        rule = volume_rule(model.space, FINE)
+        shapes = jnp.exp(-under.path.below(rule.at) / self.place.size[:, None, None])
+        rate = rule.load(_released(rule, under.path.light(rule.at) * shapes, self.strength))
         sources = tuple(
             NodalSource(lamp.power * rate, lamp.schedule)
             for lamp in model.surface
