@@ -2,10 +2,10 @@
 
     python benchmarks/rod_one_dimension.py [DATA_FOLDER]
 
-`examples/steel_rod.py` leaves 0.14 K rms at the six inner couples. Is that its solver's fault, its
-assumptions' or the couples'? This asks the same record (see that file for where it is from) by
-central differences and the trapezoidal rule on 71 points, with one assumption after another let
-go:
+`examples/steel_rod.py` leaves 0.14 K rms at the six inner couples as they were read. Is that its
+solver's fault, its assumptions' or the couples'? This asks the same record (see that file for where
+it is from) by central differences and the trapezoidal rule on 71 points, with one assumption after
+another let go:
 
 - the room's temperature, which nobody logged, may differ from the rod's mean at the start;
 - the couples at the ends, whose readings are prescribed there, may be off by a constant each,
