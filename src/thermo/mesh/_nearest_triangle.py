@@ -38,16 +38,13 @@ def nearest_triangle(
     classes = np.floor(np.log(share) / np.log(LIKE_SIZE))
     loose = np.arange(3 * len(corners)).reshape(-1, 3)
     normals, _ = triangle_normals(corners.reshape(-1, 3), loose)
-    found = (np.zeros(len(points), np.int64), np.zeros((len(points), 3)), _far(len(points)))
+    count = len(points)
+    found = (np.zeros(count, np.int64), np.zeros((count, 3)), np.full(count, np.inf))
     for size in np.unique(classes):
         members = np.flatnonzero(classes == size)
         tree, radius = KDTree(centres[members]), float(radii[members].max())
         _search(corners, normals, owner[members], tree, radius, points, *found)
     return found
-
-
-def _far(count: int) -> Float[np.ndarray, " samples"]:
-    return np.full(count, np.inf)
 
 
 def _radii(corners: Float[np.ndarray, "pieces 3 3"]) -> Float[np.ndarray, " pieces"]:
