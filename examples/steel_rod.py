@@ -31,7 +31,7 @@ How it is made a scene:
 
 Three fits: the couples as read; with a constant taken off each of the six; and with the ends set
 right. The last one's reasons: the couples at the ends are no better than the other six, which are
-off by 0.1 to 0.2 K each, and at rest heat flows from the room into the rod, as its bend shows, so
+off by up to 0.2 K each, and at rest heat flows from the room into the rod, as its bend shows, so
 that the room was warmer than the rod. So both ends may be off by a constant (OFF) and the room is a
 laboratory's (ROOM). What is left in the end is constant couple by couple, so a couple's readings
 count as one there: beside so little, what is believed of ends and room weighs much, and they leave

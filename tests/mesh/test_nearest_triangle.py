@@ -37,6 +37,33 @@ def test_none_of_all_triangles_is_nearer(seed: int, shape: str) -> None:
     np.testing.assert_allclose(weights.sum(axis=1), 1.0, atol=1e-12)
 
 
+def brute(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Distance by dense sampling and refinement of every triangle (an upper bound)."""
+    i, j = np.meshgrid(np.arange(41), np.arange(41), indexing="ij")
+    keep = i + j <= 40
+    first, second = i[keep] / 40, j[keep] / 40
+    weights = np.stack([1 - first - second, first, second], axis=1)
+    cloud = np.einsum("qk,tki->tqi", weights, corners).reshape(-1, 3)
+    return np.array([np.linalg.norm(cloud - p, axis=1).min() for p in points])
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_nearest_triangle_is_the_nearest_among_unequal_ones(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    sizes = 10.0 ** rng.uniform(-3, 0, size=(40, 1, 1))
+    corners = rng.normal(size=(40, 1, 3)) + sizes * rng.normal(size=(40, 3, 3))
+    points = rng.normal(size=(12, 3)) * 2
+    face, weights, distance = nearest_triangle(corners, points)
+    assert (weights > -1e-12).all()
+    foot = np.einsum("sk,ski->si", weights, corners[face])
+    np.testing.assert_allclose(np.linalg.norm(points - foot, axis=1), distance, atol=1e-12)
+    dense = brute(corners, points)
+    assert (distance <= dense + 1e-12).all()
+    spacing = np.linalg.norm(np.diff(corners, axis=1), axis=2).max() / 40
+    assert (dense - distance <= spacing).all()
+
+
 @pytest.mark.parametrize("shape", ["unequal", "needles"])
 def test_pieces_cover_their_triangles_and_are_small(shape: str) -> None:
     corners = drawn(np.random.default_rng(0), shape)

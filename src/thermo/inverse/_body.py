@@ -181,9 +181,9 @@ def check_values(
 
 
 def _scan_mesh(surface: Surface, meshing: Meshing) -> Mesh:
-    """Some hundred nodes [m], made in a fifth of the time that a mesh close to the surface takes.
+    """Some hundred nodes [m], off the surface by more than other meshes, which are slow to make.
 
-    That one where the looser one does not fill the surface. Raises `InputError` as it does.
+    One as close as those where it does not fill the surface. Raises `InputError` as they do.
     """
     coarse = surface.diagonal() / 12
     sizing = Sizing(coarse, coarse, coarse)

@@ -8,6 +8,7 @@ from thermo.physics.effects._heating import (
     NodalSource,
     PrescribedFlux,
     VolumetricSource,
+    beam_share,
     patch_profile,
     spot_profile,
 )
@@ -43,6 +44,7 @@ __all__ = [
     "TabulatedLaw",
     "TransitionLaw",
     "VolumetricSource",
+    "beam_share",
     "gap_exchange",
     "patch_profile",
     "spot_profile",
