@@ -12,7 +12,6 @@ from jaxtyping import Array, Float
 from thermo.mesh import Surface, caster_of, first_hits
 from thermo.observe import Heater
 from thermo.physics import Discretisation
-from thermo.physics.effects import beam_share
 
 GRAZED: Final = 0.1
 """Cosine [1] between light and a face's inward normal below which its plane tells no depth."""
@@ -44,7 +43,9 @@ class LightPath(eqx.Module):
 
     def light(self, at: Float[Array, "points cells 3"]) -> Float[Array, "points cells"]:
         """Irradiance across the beam at points of the cells [m], over that on its axis [1]."""
-        return self.lit * beam_share(at, self.centre, self.direction, self.radius)
+        off = at - self.centre
+        across = off - (off @ self.direction)[..., None] * self.direction
+        return self.lit * jnp.exp(-jnp.sum(across**2, -1) / (2 * self.radius**2))
 
 
 def dark(cells: int) -> LightPath:

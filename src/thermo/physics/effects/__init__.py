@@ -8,7 +8,6 @@ from thermo.physics.effects._heating import (
     NodalSource,
     PrescribedFlux,
     VolumetricSource,
-    beam_share,
     patch_profile,
     spot_profile,
 )
@@ -44,7 +43,6 @@ __all__ = [
     "TabulatedLaw",
     "TransitionLaw",
     "VolumetricSource",
-    "beam_share",
     "gap_exchange",
     "patch_profile",
     "spot_profile",

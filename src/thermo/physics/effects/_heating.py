@@ -102,27 +102,6 @@ class NodalSource(AbstractVolumeEffect):
         return self.rate * self.schedule.share(time)
 
 
-def beam_share(
-    at: Float[Array | np.ndarray, "*any 3"],
-    centre: Float[Array | np.ndarray, " 3"],
-    direction: Float[Array | np.ndarray, " 3"],
-    radius: Float[Array, ""] | float,
-) -> Float[Array, "*any"]:
-    """Irradiance of a lamp at points over that on its axis [1]: exp(-r^2 / (2 radius^2)).
-
-    Arguments:
-
-    - `at`: (*any, 3) [m], r their distances from the axis [m].
-    - `centre`: a point on the axis, (3,) [m]; `direction`: of the light, (3,), of length one [1].
-    - `radius`: [m].
-
-    Source: the scene format, key `heater`.
-    """
-    offset = jnp.asarray(at) - centre
-    across = offset - (offset @ direction)[..., None] * direction
-    return jnp.exp(-jnp.sum(across**2, -1) / (2 * radius**2))
-
-
 def spot_profile(
     space: Discretisation,
     *,
@@ -142,8 +121,10 @@ def spot_profile(
     Source: the scene format, key `heater`.
     """
     axis = np.asarray(direction, float) / np.linalg.norm(direction)
+    offset = np.asarray(space.face_point) - np.asarray(centre)
+    across = offset - (offset @ axis)[..., None] * axis
     facing = np.maximum(-(np.asarray(space.mesh.normals) @ axis), 0.0)
-    shape = np.asarray(beam_share(space.face_point, centre, axis, radius)) * facing[:, None]
+    shape = np.exp(-(across**2).sum(-1) / (2 * radius**2)) * facing[:, None]
     total = float((shape * space.face_weight).sum())
     if not total > 0:
         raise ValueError("the lamp's axis does not meet the surface")
