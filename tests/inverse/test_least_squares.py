@@ -56,6 +56,23 @@ def test_a_fit_settles_where_little_is_promised(optimiser: AbstractOptimiser) ->
     assert history[-2] - exact.loss > bound
 
 
+def test_an_early_stage_ends_one_step_on_where_the_answer_is_near() -> None:
+    strict = replace(sharpened(100.0), settled=0.0, gain=0.0)
+
+    def fitted(near: float, steps: int) -> tuple[np.ndarray, list[float], bool]:
+        objective = replace(strict, near=near)
+        fit = minimise([at(objective)], LevenbergMarquardt(max_steps=steps), key="x")
+        return np.asarray(ravel_pytree(fit.parameters)[0]), fit.history[0], fit.success
+
+    wanted, usual, _ = fitted(0.0, 20)
+    found, losses, success = fitted(0.05, 20)
+    stood, *_ = fitted(0.0, len(losses))
+    assert success and len(losses) < len(usual) and losses == usual[: len(losses)]
+    # Where it stood was within such a step of the answer, and it went that step.
+    assert 1e-6 < np.abs(stood - wanted).max() < 0.06
+    assert np.abs(found - wanted).max() < 0.1 * np.abs(stood - wanted).max()
+
+
 @pytest.mark.parametrize("optimiser", BOTH)
 def test_running_out_of_steps_is_no_success(optimiser: AbstractOptimiser) -> None:
     fit = minimise([at(sharpened(100.0))], replace(optimiser, max_steps=2), key="x")

@@ -27,6 +27,7 @@ from thermo.inverse import (
 from thermo.inverse._objective import SETTLED, Objective
 from thermo.inverse._stages import (
     ASKED,
+    NEAR_EARLY,
     SETTLED_EARLY,
     data_choose,
     make_stage,
@@ -124,11 +125,12 @@ def test_values_are_corrected_in_the_end_and_go_on_from_where_they_stand(task: T
     assert not np.any(first.cases[0].defect) and np.any(last.cases[0].defect)
     # It stops later, which is a number: no program is compiled anew.
     assert first.settled == SETTLED_EARLY and last.settled == SETTLED
+    assert first.near == NEAR_EARLY and last.near == 0
     assert last.fields is first.fields and jax.tree.structure(last) == jax.tree.structure(first)
     # Where no correction follows, that stage goes to its end.
     bare = replace(alone, meshing=replace(alone.meshing, corrected=False))
     (only,) = stages(bare, prepare(bare))
-    assert only.settled == SETTLED
+    assert only.settled == SETTLED and only.near == 0
 
 
 def test_a_surface_that_is_not_meshed_so_finely_costs_no_fit(

@@ -17,10 +17,11 @@ from thermo.inverse._case import pinned
 from thermo.inverse._conditions import conditions, make_model
 from thermo.inverse._properties import Properties
 from thermo.inverse._side_by_side import solve_each
-from thermo.inverse._stepping import free_grid
+from thermo.inverse._stepping import free_grid, longest_reach
 from thermo.mesh import Mesh
 from thermo.observe import Run, bind
 from thermo.physics import Discretisation, ReadOut, TimeGrid, between_steps, discretise
+from thermo.physics.integrators import Sdirk2
 
 MOMENTS = 13
 """Frames of a run that are kept for the whole body [1]."""
@@ -110,7 +111,7 @@ def forward(
     Raises `InputError` where samples lie away from the surface, and where what is stated leads to
     temperatures that there cannot be.
     """
-    space = discretise(of_order(mesh, order))
+    space = discretise(of_order(mesh, order), _reach(bodies, steps))
     readout, _ = bind(run.recording, space.mesh, where=where)
     wide = _with_corners(readout, space, mesh)
     results = _each(space, run, bodies, steps, wide, additions)
@@ -158,10 +159,15 @@ def temperatures(
 
     Raises `InputError` where samples lie away from the surface.
     """
-    space = discretise(of_order(mesh, order))
-    readout, _ = bind(run.recording, space.mesh, where=where)
     steps = free_grid(mesh, next(iter(bodies.values())), run, tolerance=tolerance)
+    space = discretise(of_order(mesh, order), _reach(bodies, steps))
+    readout, _ = bind(run.recording, space.mesh, where=where)
     return _each(space, run, bodies, steps, readout)
+
+
+def _reach(bodies: dict[str, Properties], steps: TimeGrid) -> float:
+    diffusivity = max(float(jnp.median(one.conductivity / one.capacity)) for one in bodies.values())
+    return longest_reach(Sdirk2(), [steps], diffusivity)
 
 
 def _each(

@@ -180,6 +180,10 @@ def _advance(
     # more than a fraction of its own uncertainty. A step that is cut promises less than there is.
     least = jnp.maximum(objective.gain, objective.settled * loss)
     settled = state.descent_state.most() < least
+    # The trial that comes next is close enough to need no run of its own.
+    close = optx.max_norm(state.descent_state.damped(FIRST_STEP)) <= objective.near
+    close = close & (state.num_steps_since_acceptance == 0)
+    new, settled = jnp.where(close, state.y_eval, new), settled | close
     stalled = jnp.zeros_like(settled)
     if objective.tangents is not None:
         # What coarse tangents promise is not what they gain: a gain as small as that ends it too,

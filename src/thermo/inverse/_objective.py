@@ -104,7 +104,8 @@ class Objective(eqx.Module):
     - `sequence`: the numbers of the runs in the order in which `cases` hold them.
     - `integrator`, `solver`: of the simulation; `lagged`: the paper's radiation.
     - `settled`: a fit ends where a step promises less than this share of the loss [1], or
-      `gain`, in units of log-likelihood [1].
+      `gain`, in units of log-likelihood [1]; or, by least squares, one step on where a step changes
+      no parameter by more than `near` [1].
 
     Source: paper, appendix B.7 (checklist D4, E1, E2, E5).
     """
@@ -122,6 +123,7 @@ class Objective(eqx.Module):
     # Numbers and not part of the program: a stage that stops sooner is not compiled anew.
     settled: Float[Array, ""] = eqx.field(converter=_number, default=SETTLED)
     gain: Float[Array, ""] = eqx.field(converter=_number, default=GAIN)
+    near: Float[Array, ""] = eqx.field(converter=_number, default=0.0)
 
 
 def start(objective: Objective) -> Parameters:

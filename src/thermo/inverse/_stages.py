@@ -15,7 +15,7 @@ from thermo.inverse._field_choice import AbstractStagedChoice, Uniform
 from thermo.inverse._least_squares import LevenbergMarquardt
 from thermo.inverse._objective import SETTLED, Objective
 from thermo.inverse._smoothing import ask_data, much_the_same, with_choice
-from thermo.inverse._stepping import COARSER, planned_steps, scheme_for
+from thermo.inverse._stepping import COARSER, longest_reach, planned_steps, scheme_for
 from thermo.inverse._task import Ready, Task
 from thermo.mesh import Mesh
 from thermo.physics import ConjugateGradient, TimeGrid, discretise
@@ -41,6 +41,10 @@ TANGENT_RTOL = 1e-2
 # more (benchmarks/coarse_tangents.py); what an early stage leaves the last one does.
 SETTLED_COARSE = 3e-3
 SETTLED_EARLY = 1e-2
+
+NEAR_EARLY = 0.05
+"""Change of a parameter [1] by a step that is the last of an early stage: where it leads, hundredths
+of that are left, or a fifth with coarse tangents, and what is measured there changes as little."""
 
 
 def _unknowns(ready: Ready) -> int:
@@ -108,7 +112,7 @@ def make_stage(
     objective = make_objective(task, ready, orders[number])
     # What is to be corrected hardly changes over the rest of the way, which the corrected fit goes.
     ends = number == plain - 1
-    return objective if ends else replace(objective, settled=SETTLED_EARLY)
+    return objective if ends else replace(objective, settled=SETTLED_EARLY, near=NEAR_EARLY)
 
 
 def _asked_stage(
@@ -161,7 +165,7 @@ def _go_on(task: Task, ready: Ready, before: Objective) -> Ready:
 def _to_its_end(objective: Objective) -> Objective:
     """The objective with the stop [1] of a stage after which none follows."""
     coarse = objective.tangents is not None
-    return replace(objective, settled=SETTLED_COARSE if coarse else SETTLED)
+    return replace(objective, settled=SETTLED_COARSE if coarse else SETTLED, near=0.0)
 
 
 def make_objective(task: Task, ready: Ready, order: int) -> Objective:
@@ -187,7 +191,10 @@ def plain_objective(
     task: Task, ready: Ready, order: int, steps: dict[str, TimeGrid | None], rtol: float
 ) -> Objective:
     """The objective on cells of an order, with the `rtol` of its solver [1] and no tangents."""
-    space = discretise(of_order(ready.mesh, order))
+    scheme = scheme_for(task.stepping.integrator, ready.stated)
+    planned = [steps[run.name] or ready.grids[run.name] for run in task.runs]
+    reach = longest_reach(scheme, planned, ready.stated.of("diffusivity"))
+    space = discretise(of_order(ready.mesh, order), reach)
     cases = [
         make_case(
             run,
@@ -205,7 +212,7 @@ def plain_objective(
         ready.fields,
         ready.priors,
         stack_cases(cases),
-        scheme_for(task.stepping.integrator, ready.stated),
+        scheme,
         ConjugateGradient(rtol=rtol),
         task.stepping.lagged,
         sequence=tuple(number for group in group_cases(cases) for number in group),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import final
 
@@ -61,6 +62,14 @@ def fit_frames(run: Run, stepping: Stepping) -> TimeGrid:
     count = min(stepping.most_frames, len(time))
     picked = np.unique(np.linspace(0, len(time) - 1, count).round().astype(int))
     return uniform_steps(time[picked], float(time[-1]))
+
+
+def longest_reach(
+    scheme: AbstractIntegrator, grids: Iterable[TimeGrid], diffusivity: float
+) -> float:
+    """The square of how far heat goes in the longest step [m2], from a diffusivity [m2/s]."""
+    longest = max(float(np.max(grid.size)) for grid in grids)
+    return diffusivity * float(scheme.weight(longest))
 
 
 def free_grid(

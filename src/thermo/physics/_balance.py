@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from thermo.physics._coarse_correction import CoarseMatrices, coarse_correction, coarse_matrices
 from thermo.physics._diagonal_product import diagonal_product
 from thermo.physics._discretisation import (
     diagonal_of,
@@ -32,6 +33,7 @@ class Balance(eqx.Module):
 
     - `stiffness` (edges,) [W/K]; `stored` and `stored_edges`: mass matrix [J/K].
     - `stiffness_rows`, `stored_rows`: the same, padded for products; without derivatives.
+    - `coarse`: M and K in coarser spaces, or None; without derivatives.
     - `constant`: M + weight K where all steps have that weight, or None.
     - `single`: whether many matrices side by side, as tangents have, may be rounded to single
       precision.
@@ -44,6 +46,7 @@ class Balance(eqx.Module):
     stored_edges: Float[Array, " edges"]
     stiffness_rows: Rows
     stored_rows: Rows
+    coarse: CoarseMatrices | None
     constant: StepMatrix | None = None
     single: bool = eqx.field(static=True, default=False)
 
@@ -63,6 +66,7 @@ def assemble(model: Model, *, single: bool = False) -> Balance:
     space = model.space
     stiffness = stiffness_edges(space, model.conductivity)
     stored, stored_edges = mass(space, model.capacity)
+    fixed = jax.lax.stop_gradient((model.conductivity, model.capacity))
     return Balance(
         model=model,
         stiffness=stiffness,
@@ -71,6 +75,7 @@ def assemble(model: Model, *, single: bool = False) -> Balance:
         stored_edges=stored_edges,
         stiffness_rows=expand(space.pattern, jax.lax.stop_gradient(stiffness)),
         stored_rows=expand(space.pattern, jax.lax.stop_gradient(stored_edges)),
+        coarse=coarse_matrices(space, *fixed),
         single=single,
     )
 
@@ -201,17 +206,24 @@ def step_matrix(balance: Balance, temperature: Float[Array, " nodes"], weight: T
         diagonal, rows = balance.constant.diagonal, balance.constant.rows
     else:
         diagonal, rows = _plain_matrix(balance, temperature, weight)
+    held = jnp.zeros_like(diagonal)
     slope = slope_of(model.surface, on_faces(space, temperature)) if model.surface else None
     if slope is not None:
         on_diagonal, on_edges = surface_mass(space, weight * slope)
-        outer = diagonal[pattern.inner :] + on_diagonal
-        diagonal = jnp.concatenate([diagonal[: pattern.inner], outer])
+        held = held.at[pattern.inner :].add(on_diagonal)
+        diagonal = diagonal + held
         rows = add_surface(pattern, rows, on_edges)
+    free = None
     if model.prescribed is not None:
         free = model.prescribed.free()
         rows = scale_rows(pattern, rows, free)
+        # What a coarser space lacks at a prescribed node is held by what conducts there.
+        held = jnp.where(free > 0, held, diagonal)
         diagonal = jnp.where(free > 0, diagonal, 1.0)
-    return StepMatrix(pattern, diagonal, rows)
+    coarse = None
+    if balance.coarse is not None:
+        coarse = coarse_correction(balance.coarse, weight, held, free)
+    return StepMatrix(pattern, diagonal, rows, coarse)
 
 
 def _plain_matrix(

@@ -12,6 +12,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from thermo.mesh import Mesh, cell_volumes, face_areas
+from thermo.physics._coarse_spaces import CoarseSpaces, coarse_spaces
 from thermo.physics._gather_sum import GatherSum, gather_sum, gather_to
 from thermo.physics._pattern import (
     Pattern,
@@ -40,6 +41,7 @@ class Discretisation(eqx.Module):
     - `to_edges`: from the node pairs of all faces, pair by pair, to the edges of the surface.
     - `face_shape`: (points, corners) [1]; `face_weight`: (faces, points) [m2].
     - `face_point`: quadrature points on the faces, (faces, points, 3) [m].
+    - `coarse`: coarser spaces for the solver, or None where they do not pay.
     """
 
     mesh: Mesh
@@ -53,6 +55,7 @@ class Discretisation(eqx.Module):
     face_shape: Float[Array | np.ndarray, "points corners"]
     face_weight: Float[Array | np.ndarray, "faces points"]
     face_point: Float[Array | np.ndarray, "faces points 3"]
+    coarse: CoarseSpaces | None
 
     @property
     def order(self) -> int:
@@ -89,12 +92,14 @@ def _barycentric_gradients(mesh: Mesh) -> Float[np.ndarray, "cells 4 3"]:
     return np.concatenate([-rest.sum(1, keepdims=True), rest], 1)
 
 
-def discretise(mesh: Mesh) -> Discretisation:
+def discretise(mesh: Mesh, reach: float = 0.0) -> Discretisation:
     """Prepare a mesh [m] for simulation.
 
     Arguments:
 
     - `mesh`: a validated TET4 or TET10 mesh, nodes (nodes, 3) [m].
+    - `reach`: diffusivity times the weight of a step in its matrix [m2], the square of how far heat
+      goes in it. Where that is many cells, coarser spaces of the mesh help the solver along.
     """
     mesh = _renumber(mesh)
     count = len(mesh.nodes)
@@ -108,11 +113,12 @@ def discretise(mesh: Mesh) -> Discretisation:
     of_pair = edge_number.reshape(face_edge.shape).T.ravel()
     volume = cell_volumes(mesh)
     points, weights = triangle_rule(mesh.order)
+    gradient = _barycentric_gradients(mesh) * np.sqrt(volume)[:, None, None]
     return Discretisation(
         mesh=mesh,
         pattern=pattern,
         surface=of_surface(pattern),
-        gradient=_barycentric_gradients(mesh) * np.sqrt(volume)[:, None, None],
+        gradient=gradient,
         volume=volume,
         cell_edge=cell_edge,
         to_nodes=gather_to(corners, count - pattern.inner, len(mesh.faces)),
@@ -120,6 +126,7 @@ def discretise(mesh: Mesh) -> Discretisation:
         face_shape=face_shape(points, mesh.order),
         face_weight=face_areas(mesh)[:, None] * weights,
         face_point=np.einsum("qa,fax->fqx", points, mesh.nodes[mesh.faces[:, :3]]),
+        coarse=coarse_spaces(mesh, gradient, reach),
     )
 
 

@@ -8,6 +8,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from thermo.physics._coarse_correction import CoarseCorrection
 from thermo.physics._pattern import Pattern, Rows, row_product
 
 
@@ -16,6 +17,7 @@ class StepMatrix(eqx.Module):
     """Symmetric positive definite matrix [J/K] on the edges of a mesh.
 
     - `diagonal`: (nodes,); `rows`: the rest, padded row by row.
+    - `coarse`: an inverse in coarser spaces, or None.
 
     No derivative flows through it: that of a step is taken from the balance of heat that the step
     meets, which needs no matrix.
@@ -24,6 +26,7 @@ class StepMatrix(eqx.Module):
     pattern: Pattern
     diagonal: Float[Array, " nodes"]
     rows: Rows
+    coarse: CoarseCorrection | None = None
 
     def mv(self, vector: Float[Array, "nodes *batch"]) -> Float[Array, "nodes *batch"]:
         """Matrix [J/K] times one vector [K] or several."""
