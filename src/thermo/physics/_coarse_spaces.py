@@ -19,11 +19,11 @@ from thermo.physics._shape import CELL_EDGES, reference_mass
 LEAST_NODES = 5000
 """Nodes [1] below which a product is so cheap that coarser spaces are not worth compiling."""
 
-PAYS = 200.0
+PAYS = 60.0
 """Conducted over stored heat of a corner in the longest step [1], on average, from which they are.
 
-Conjugate gradients take a third less time there, and a quarter of it at a hundred times as much
-(`benchmarks/coarse_spaces.py`); a program takes a second longer to compile.
+Quadratic cells take half the time there and a fourth or fifth of it in longer steps, linear ones
+about as long and a third (`benchmarks/coarse_spaces.py`); a program compiles a second longer.
 """
 
 IN_A_PART, MOST_PARTS = 16, 256
