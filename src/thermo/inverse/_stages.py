@@ -43,8 +43,8 @@ SETTLED_COARSE = 3e-3
 SETTLED_EARLY = 1e-2
 
 NEAR_EARLY = 0.05
-"""Change of a parameter [1] by a step that is the last of an early stage: where it leads, hundredths
-of that are left, or a fifth with coarse tangents, and what is measured there changes as little."""
+"""Change of a parameter [1] by a step that is the last of an early stage. Where it leads hundredths
+of that are left, a fifth with coarse tangents, and what is measured there is off by as little."""
 
 
 def _unknowns(ready: Ready) -> int:
