@@ -163,6 +163,7 @@ def test_a_run_and_its_derivatives_are_the_same(space: Discretisation) -> None:
         lambda one: run(one, slow),
         lambda one: jax.jvp(lambda f: run(one, f), (slow,), (jnp.ones(()),))[1],
         lambda one: jax.grad(lambda f: jnp.sum(run(one, f)[-1]))(slow),
+        lambda one: jax.vmap(lambda f: run(one, f))(jnp.asarray([0.1, 1.0])),
     ):
         wanted = np.asarray(derived(bare))
         np.testing.assert_allclose(derived(space), wanted, atol=1e-6 * np.abs(wanted).max())
