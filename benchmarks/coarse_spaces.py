@@ -50,7 +50,7 @@ def made(model: Model, weight: jax.Array) -> tuple[StepMatrix, jax.Array]:
     coarse = balance.coarse
     assert coarse is not None
     matrix = step_matrix(balance, jnp.full(len(model.space.mesh.nodes), 300.0), weight)
-    return matrix, jnp.mean(weight * coarse.stiffness / coarse.stored)
+    return matrix, weight * coarse.rate
 
 
 @eqx.filter_jit

@@ -210,7 +210,7 @@ def step_matrix(balance: Balance, temperature: Float[Array, " nodes"], weight: T
     slope = slope_of(model.surface, on_faces(space, temperature)) if model.surface else None
     if slope is not None:
         on_diagonal, on_edges = surface_mass(space, weight * slope)
-        held = held.at[pattern.inner :].add(on_diagonal)
+        held = jnp.pad(on_diagonal, (pattern.inner, 0))
         diagonal = diagonal + held
         rows = add_surface(pattern, rows, on_edges)
     free = None

@@ -36,6 +36,7 @@ class CoarseMatrices(eqx.Module):
 
     - `stored`, `stiffness`: their diagonals at the corners, (corners,).
     - `stored_parts`, `stiffness_parts`: (parts, parts).
+    - `rate`: conducted over stored heat of a corner, on average [1/s].
     """
 
     spaces: CoarseSpaces
@@ -43,6 +44,7 @@ class CoarseMatrices(eqx.Module):
     stiffness: Float[Array, " corners"]
     stored_parts: Float[Array, "parts parts"]
     stiffness_parts: Float[Array, "parts parts"]
+    rate: Float[Array, ""]
 
 
 @final
@@ -91,7 +93,7 @@ def coarse_matrices(
     spaces = space.coarse
     if spaces is None:
         return None
-    wide = (-1,) + (1,) * 2
+    wide = (-1, 1, 1)
     flow = space.gradient
     if conductivity.ndim > 1:
         flow = jnp.einsum("cax,cxy->cay", flow, conductivity)
@@ -110,7 +112,9 @@ def coarse_matrices(
         return none.at[part[:, :, None], part[:, None, :]].add(matrix)
 
     both = (stored, stiffness)
-    return CoarseMatrices(spaces, *map(at_corners, both), *map(on_parts, both))
+    content, conducted = map(at_corners, both)
+    rate = jnp.mean(conducted / content)
+    return CoarseMatrices(spaces, content, conducted, *map(on_parts, both), rate=rate)
 
 
 def coarse_correction(
@@ -124,12 +128,12 @@ def coarse_correction(
     Arguments:
 
     - `weight`: [s]; `free`: as in `CoarseCorrection`.
-    - `held`: diagonal of what the surface adds, (nodes,) [J/K]. As large a matrix of faces adds
-      up to less than twice as much.
+    - `held`: diagonal of what the surface adds, (nodes,) [J/K]; all entries of a matrix of faces
+      add up to at most twice those on its diagonal.
     """
     spaces = matrices.spaces
     conducted = weight * matrices.stiffness
-    worth = jnp.mean(conducted / matrices.stored) > WORTH
+    worth = weight * matrices.rate > WORTH
     held = 2 * spaces.corners(jnp.maximum(held, 0.0))
 
     def invert(held: Float[Array, " corners"]) -> Float[Array, "parts parts"]:

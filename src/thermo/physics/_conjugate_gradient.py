@@ -24,6 +24,23 @@ def _over(above: Float[Array, "*batch"], below: Float[Array, "*batch"]) -> Float
     return jnp.where(below > 0, above / jnp.where(below > 0, below, 1.0), 0.0)
 
 
+def _preconditioned(
+    matrix: StepMatrix,
+    inverse: Float[Array, "nodes *one"],
+    residual: Float[Array, "nodes *batch"],
+) -> tuple[Float[Array, "nodes *batch"], Float[Array, "*batch"], Float[Array, "*batch"]]:
+    """What the preconditioner makes of a residual, their product, and the residual's squared norm.
+
+    The norm is that of the `inverse` diagonal alone [K/J], whatever the preconditioner.
+    """
+    found = inverse * residual
+    size = _dot(residual, found)
+    if matrix.coarse is None:
+        return found, size, size
+    smooth = matrix.coarse.apply(residual)
+    return found + smooth, size + _dot(residual, smooth), size
+
+
 SINGLE = 1e-6
 """Tolerance [1] from which single precision has digits enough for a right-hand side."""
 
@@ -98,11 +115,7 @@ class ConjugateGradient(eqx.Module):
             # A column that has met its goal stands still.
             alpha = jnp.where((step < 0) | (left > goal), _over(_dot(p, r), _dot(p, q)), 0.0)
             x, r = x + alpha * p, r - alpha * q
-            z = inverse * r
-            left = new = _dot(r, z)
-            if matrix.coarse is not None:
-                smooth = matrix.coarse.apply(r)
-                z, new = z + smooth, new + _dot(r, smooth)
+            z, new, left = _preconditioned(matrix, inverse, r)
             beta = jnp.where(step < 0, 0.0, _over(new, rz))
             return x, r, z + beta * p, new, left, step + 1
 
@@ -140,12 +153,8 @@ class ConjugateGradient(eqx.Module):
             # Squares of what is far from one would leave the range.
             scale = jnp.sqrt(jnp.where(size > 0, size, 1.0))
             b = _single(r / scale)
-            begin = b / narrow.diagonal[:, None]
-            whole = _dot(b, begin)
-            if narrow.coarse is not None:
-                begin = begin + narrow.coarse.apply(b)
-            first = (begin, _dot(b, begin), whole, jnp.zeros((), jnp.int32))
-            start = (jnp.zeros_like(b), b, *first)
+            first = _preconditioned(narrow, 1 / narrow.diagonal[:, None], b)
+            start = (jnp.zeros_like(b), b, *first, jnp.zeros((), jnp.int32))
             wanted = _single(jnp.maximum(goal / scale**2, DEEPEST**2))
             way, left, count = self._iterate(narrow, wanted, start)
             # Both what the iterations left and what their rounding may hide.
