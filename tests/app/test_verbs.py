@@ -141,6 +141,11 @@ def test_predict_scores_the_held_out_run(
     assert "test_lamp" in outcome.out and "mae [K]" in outcome.out
 
 
+def of_the_fit(out: Path) -> list[str]:
+    """Remarks of a prediction but what so few cells make wrong."""
+    return [one for one in result(out)["remarks"] if not one.startswith("Cells make some")]
+
+
 def test_a_prediction_tells_what_its_fit_does_not_explain(
     fit: Path, command: Command, block: Path, tmp_path: Path
 ) -> None:
@@ -151,14 +156,15 @@ def test_a_prediction_tells_what_its_fit_does_not_explain(
     others = [one for one in record["remarks"] if "does not explain" not in one]
     (poor / "result.json").write_text(json.dumps(record | {"remarks": [*others, told]}))
     out = tmp_path / "predicted"
-    outcome = command("predict", f"data={block}", f"estimate={poor}", f"out={out}", "tolerance=0.5")
+    quick = ("tolerance=0.5", "mesh.max_nodes=3000")
+    outcome = command("predict", f"data={block}", f"estimate={poor}", f"out={out}", *quick)
     assert outcome.code == 0, outcome.err
-    assert result(out)["remarks"] == [f"Of the fit that this rests on: {told}"]
+    assert of_the_fit(out) == [f"Of the fit that this rests on: {told}"]
     assert told in outcome.out
     # A folder may come without the record of its fit.
     (poor / "result.json").unlink()
-    outcome = command("predict", f"data={block}", f"estimate={poor}", f"out={out}", "tolerance=0.5")
-    assert outcome.code == 0 and result(out)["remarks"] == [], outcome.err
+    outcome = command("predict", f"data={block}", f"estimate={poor}", f"out={out}", *quick)
+    assert outcome.code == 0 and of_the_fit(out) == [], outcome.err
 
 
 @pytest.mark.parametrize(

@@ -143,11 +143,17 @@ def test_an_interrupted_fit_goes_on_as_if_it_had_not_been(
         if number == after:
             raise KeyboardInterrupt
 
+    said: list[str] = []
     with pytest.raises(KeyboardInterrupt):
-        descend(block, meshing, checkpoint=file, on_step=stop)
+        descend(block, meshing, checkpoint=file, on_step=stop, say=said.append)
+    nodes = f"a mesh of {len(plain.mesh.nodes)} nodes"
+    assert said[0] == "fitting block: meshing" and nodes in said[1]
     told: list[int] = []
-    resumed = descend(block, meshing, checkpoint=file, on_step=lambda n, *_: told.append(n))
+    resumed = descend(
+        block, meshing, checkpoint=file, on_step=lambda n, *_: told.append(n), say=said.append
+    )
     assert told == list(range(after + 1, 5))
+    assert said[2] == f"going on from {file}, if it is of this fit: meshing"
     assert np.allclose(resumed.history[0], plain.history[0], rtol=1e-10, atol=0)
     mine, theirs = resumed.fields["conductivity"], plain.fields["conductivity"]
     assert np.allclose(mine.cells, theirs.cells, rtol=1e-10, atol=0)

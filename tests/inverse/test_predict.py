@@ -43,8 +43,14 @@ def quadratic(meshing: Meshing) -> Meshing:
 
 
 @pytest.fixture(scope="module")
-def predicted(scene: Scene, fitted: Estimate) -> dict[str, Prediction]:
-    return predict(scene, fitted)
+def fine(meshing: Meshing) -> Meshing:
+    """Of some times the nodes of `quadratic`; the default has so many that each run takes long."""
+    return Meshing(order=2, max_nodes=5 * meshing.max_nodes, cache=meshing.cache)
+
+
+@pytest.fixture(scope="module")
+def predicted(scene: Scene, fitted: Estimate, fine: Meshing) -> dict[str, Prediction]:
+    return predict(scene, fitted, meshing=fine)
 
 
 def by_hand(simulated: np.ndarray, measured: np.ndarray) -> Scores:
@@ -115,20 +121,24 @@ def test_the_median_is_that_of_the_field_over_the_surface(
 
 
 def test_a_folder_predicts_as_the_estimate_that_it_holds(
-    block: Path, fitted: Estimate, predicted: dict[str, Prediction], tmp_path: Path
+    block: Path,
+    fitted: Estimate,
+    predicted: dict[str, Prediction],
+    fine: Meshing,
+    tmp_path: Path,
 ) -> None:
     save_estimate(tmp_path / "estimate.npz", fitted)
-    again = predict(block, tmp_path)["test_lamp"]
+    again = predict(block, tmp_path, meshing=fine)["test_lamp"]
     assert np.allclose(again.temperature, predicted["test_lamp"].temperature, rtol=0, atol=1e-9)
 
 
 def test_the_prediction_does_not_look_at_the_measurement(
-    scene: Scene, fitted: Estimate, predicted: dict[str, Prediction]
+    scene: Scene, fitted: Estimate, predicted: dict[str, Prediction], fine: Meshing
 ) -> None:
     run = scene.runs["test_lamp"]
     recording = replace_temperature(run.recording)
     changed = replace(scene, runs={**scene.runs, "test_lamp": replace(run, recording=recording)})
-    found = predict(changed, fitted)["test_lamp"]
+    found = predict(changed, fitted, meshing=fine)["test_lamp"]
     assert np.array_equal(found.temperature, predicted["test_lamp"].temperature)
     assert found.scores["spatial"].mae > 5
 

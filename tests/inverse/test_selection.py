@@ -31,8 +31,11 @@ def test_an_unknown_run_is_named_with_those_there_are(scene: Scene) -> None:
     with pytest.raises(InputError, match="unknown run") as caught:
         select_runs(scene, ("lamp", "nope", "neither"), held_out=False)
     assert caught.value.value == "nope, neither"
-    assert caught.value.limit == "lamp, cooling, test_lamp"
+    assert caught.value.limit == "lamp, cooling"
     assert "runs=[" in caught.value.remedy and str(scene.folder) in caught.value.where
+    with pytest.raises(InputError, match="unknown run") as caught:
+        select_runs(scene, ("nope",), held_out=True)
+    assert caught.value.limit == "lamp, cooling, test_lamp"
 
 
 def test_a_run_to_fit_is_meant_rather_than_one_that_is_held_out(scene: Scene) -> None:

@@ -94,10 +94,10 @@ def _simulated(
     at_vertices = replace(run, recording=Recording(surface.vertices, time, blank))
     folder = Path(settings["estimate"])
     effects = load_effects(folder, scene) if (folder / "estimate.npz").exists() else None
-    print("simulating the run; meshing and compiling come first", file=sys.stderr)
     made = inverse.predict(
         replace(scene, runs={run.name: at_vertices}), folder, runs=(run.name,),
         tolerance=number(settings, "tolerance", above=0.0), additions=effects,
+        say=lambda words: print(words, file=sys.stderr, flush=True),
     )[run.name]  # fmt: skip
     return made.time, made.temperature
 

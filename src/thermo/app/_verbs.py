@@ -62,14 +62,12 @@ def invert(settings: Configuration) -> None:
     scene, dropped = scene_of(settings)
     require_writable(out)
     checkpoint = out / "checkpoint.npz"
-    again = f"going on from {checkpoint}, if it is of this fit"
-    begun = again if checkpoint.exists() else f"fitting {scene.object}"
-    print(f"{begun}; meshing and compiling come first", file=sys.stderr)
     with Progress("invert", None, sys.stderr) as progress:
         estimate = inverse.invert(
             scene,
             checkpoint=checkpoint,
             on_step=lambda step, about, loss: progress.update(step, loss, about),
+            say=_say,
             **arguments,
         )
     record = write_inversion(out, estimate, settings, dropped)
@@ -80,6 +78,10 @@ def invert(settings: Configuration) -> None:
     print(
         f"\n{ended} {estimate.resolution}{remarks}\n{out / 'result.json'}, {estimate.seconds:.0f} s"
     )
+
+
+def _say(words: str) -> None:
+    print(words, file=sys.stderr, flush=True)
 
 
 def _ending(estimate: inverse.Estimate, optimiser: inverse.AbstractOptimiser) -> str:
@@ -110,6 +112,7 @@ def predict(settings: Configuration) -> None:
         runs=names(settings["runs"], "runs"),
         meshing=build_meshing(settings["mesh"]),
         tolerance=number(settings, "tolerance", above=0.0),
+        say=_say,
     )
     seconds = time.monotonic() - begun
     taken = [one.card.name for one in effects or ()]
@@ -207,6 +210,7 @@ def simulate(settings: Configuration) -> None:
         values={**material, **exchange, "volumetric_heat_capacity": capacity},
         meshing=meshing,
         tolerance=number(settings, "tolerance", above=0.0),
+        say=_say,
     )
     seconds = time.monotonic() - begun
     runs = {str(settings["run"]): prediction}

@@ -28,7 +28,7 @@ from thermo.discover._library import Setting, library, setting_of
 from thermo.discover._memory import memory_of
 from thermo.discover._met import estimate_of
 from thermo.discover._misfit import Misfit, misfits
-from thermo.discover._pace import MEASURE, Pace, Say
+from thermo.discover._pace import MEASURE, Pace
 from thermo.discover._path import SearchPath, search
 from thermo.discover._power import powers
 from thermo.discover._registered import registered

@@ -9,9 +9,7 @@ from typing import Final, final
 import numpy as np
 
 from thermo._duration import duration
-
-Say = Callable[[str], None]
-"""Is told what is being done."""
+from thermo._say import Say
 
 REFIT: Final = "refit"
 MEASURE: Final = "measure"

@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 
 from thermo._compiled import make_room
+from thermo._say import Say
 from thermo.errors import InputError
 from thermo.fields import AbstractField, TwoMaterialField
 from thermo.inverse._body import Meshing, duration
@@ -51,6 +52,7 @@ def invert(
     model_error: float = 0.01,
     checkpoint: Path | None = None,
     on_step: OnStep | None = None,
+    say: Say = lambda words: None,
 ) -> Estimate:
     """Recover fields of an object from recordings of its surface temperature.
 
@@ -76,6 +78,7 @@ def invert(
     - `model_error`: what the simulation may be wrong by, added to the noise [K].
     - `checkpoint`: file that an interrupted fit goes on from; remove it once the result is safe.
     - `on_step`: told of every step.
+    - `say`: told of what comes before the first one.
 
     Raises `InputError` for input that cannot be used, before any work is done.
 
@@ -88,7 +91,7 @@ def invert(
     how = (choice or OnControlPoints(), optimiser or LevenbergMarquardt(), prior or Prior())
     cut = (stepping or Stepping(), meshing or Meshing())
     task = Task(scene, fitted, names, *how, *cut, stages, initial, seed, model_error, start)
-    return _fit(task, checkpoint, on_step, begun)
+    return _fit(task, checkpoint, on_step, say, begun)
 
 
 def _check_start(start: float) -> None:
@@ -99,8 +102,14 @@ def _check_start(start: float) -> None:
         )  # fmt: skip
 
 
-def _fit(task: Task, checkpoint: Path | None, on_step: OnStep | None, begun: float) -> Estimate:
+def _fit(
+    task: Task, checkpoint: Path | None, on_step: OnStep | None, say: Say, begun: float
+) -> Estimate:
+    again = f"going on from {checkpoint}, if it is of this fit"
+    known = checkpoint is not None and checkpoint.exists()
+    say(f"{again if known else f'fitting {task.scene.object}'}: meshing")
     ready = prepare(task)
+    say(f"compiling for a mesh of {len(ready.mesh.nodes)} nodes; the first step waits for it")
     orders = stage_orders(task, ready)
     with finer_mesh_ahead(task, ready) as finer:
         make = functools.partial(make_stage, task, ready, finer=finer)

@@ -10,6 +10,7 @@ from typing import Final, final
 import numpy as np
 
 from thermo._compiled import make_room
+from thermo._say import Say
 from thermo.errors import InputError
 from thermo.inverse._addition import Addition
 from thermo.inverse._body import (
@@ -89,6 +90,7 @@ def predict(
     meshing: Meshing | None = None,
     tolerance: float = 5e-3,
     additions: tuple[Addition, ...] | None = None,
+    say: Say = lambda words: None,
 ) -> dict[str, Prediction]:
     """Predict runs with recovered fields, without fitting anything to them.
 
@@ -101,6 +103,7 @@ def predict(
       allow, by default more than a fit's. Cells and faces take the values of the nearest ones of
       the fit, and two materials are laid out anew. `tolerance`: error of a time step [K].
     - `additions`: effects beside the stated ones, as `thermo.discover.load_effects` reads them.
+    - `say`: told what is being done.
 
     Returns a prediction for each run, with scores of the spatial field and of its median over the
     surface [K], and what its cells make wrong: a third of how far readings are from those on edges
@@ -117,6 +120,7 @@ def predict(
     meshing = Meshing(max_nodes=PREDICTION_NODES) if meshing is None else meshing
     surface = surface_of(scene)
     check_same_object(old, surface, where)
+    say(f"predicting {', '.join(run.name for run in picked)}: meshing and compiling come first")
     # Heat goes the least deep where the diffusivity is least; the mesh must show that.
     found = {name: (item.cells, item.faces) for name, item in fields.items()}
     least = diffusivity_quantile(stated, found, len(old.cells), 0.05)
@@ -176,6 +180,7 @@ def simulate(
     values: dict[str, float] | None = None,
     meshing: Meshing | None = None,
     tolerance: float = 5e-3,
+    say: Say = lambda words: None,
 ) -> Prediction:
     """Simulate a run of a scene with uniform values.
 
@@ -184,12 +189,13 @@ def simulate(
     - `data`: a scene, or the folder of one; `run`: the name of its run.
     - `values`: by quantity, in place of what the scene states [SI].
     - `meshing`: of the body; `tolerance`: error of a time step [K].
+    - `say`: told what is being done.
 
     Returns temperatures and scores [K], and what cells make wrong, as `predict` does. Raises
     `InputError` where a property has no value, and as `read_scene` does.
     """
     scene = data if isinstance(data, Scene) else read_scene(Path(data))
-    (picked,) = select_runs(scene, (run,), held_out=False)
+    (picked,) = select_runs(scene, (run,), held_out=True)
     values = {} if values is None else values
     check_values(values, where="values.")
     meshing = Meshing() if meshing is None else meshing
@@ -204,6 +210,7 @@ def simulate(
     check_unknowns(tuple(values), scene)
     stated = state(scene, values, 1.0)
     surface, where = surface_of(scene), f"{scene.folder}: runs.{run}.recording"
+    say(f"simulating {run}: meshing and compiling come first")
 
     def made(finer: float) -> Prediction:
         mesh = make_mesh(scene, surface, stated.of("diffusivity"), meshing, finer=finer)
