@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -15,10 +16,13 @@ from thermo.discover.candidates import CameraDrift, CameraEmissivity
 from thermo.report import discovery_record, write_discovery
 
 
-def for_couples(setting: Setting) -> tuple[Candidate, ...]:
-    """The library without what a camera may do wrong: thermocouples' readings."""
-    camera = (CameraEmissivity, CameraDrift)
-    return tuple(one for one in library(setting) if not isinstance(one, camera))
+def without(*kinds: type[Candidate]) -> Callable[[Setting], tuple[Candidate, ...]]:
+    """What makes the library's candidates without some kinds, which are known to be absent."""
+    return lambda setting: tuple(one for one in library(setting) if not isinstance(one, kinds))
+
+
+CAMERA = (CameraEmissivity, CameraDrift)
+"""What a camera may do wrong, and thermocouples do not."""
 
 
 def tell(verdict: Verdict, name: str, out: Path) -> None:

@@ -16,7 +16,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from asking import for_couples, tell
+from asking import CAMERA, tell, without
 from steel_rod import data_folder, read_record, write_rod
 
 import thermo
@@ -42,7 +42,7 @@ def run(rod: str, data: Path, out: Path, say: Callable[[str], None] = print) -> 
     write_rod(out / "scene", time, temperature, material, 0.0, ("diffusivity",), OFF)
     return discover(
         out / "scene", model_error=ENDS, meshing=Meshing(max_nodes=3000), say=say,
-        stepping=Stepping(most_frames=150, tolerance=0.02), candidates=for_couples,
+        stepping=Stepping(most_frames=150, tolerance=0.02), candidates=without(*CAMERA),
     )  # fmt: skip
 
 
