@@ -10,6 +10,7 @@ from typing import Final
 
 import numpy as np
 
+from thermo._say import Say
 from thermo.discover._aliases import aliases
 from thermo.discover._allowance import NOTHING_ALLOWED, allowance
 from thermo.discover._bench import (
