@@ -64,6 +64,7 @@ CAPACITY = TemperatureTable(  # K, J/kg/K
     (8.33 * 280 - 1390, 8.33 * 395 - 1390, 3.07 * 395 + 851, 3.07 * 560 + 851),
 )
 MODEL_ERROR = 0.65  # K
+CANDIDATES = without(LatentHeat)
 # By flux [kW/m2]: how long [s], gas before the front and air behind the back [K].
 TESTS = {25: (150.0, 330.0, 300.0), 60: (60.0, 365.0, 303.0)}
 
@@ -118,7 +119,7 @@ def run(
     write_slab(data, out / "scene")
     return discover(
         out / "scene", runs=runs, model_error=MODEL_ERROR, meshing=Meshing(max_nodes=1000), say=say,
-        stepping=Stepping(most_frames=150), candidates=without(LatentHeat),
+        stepping=Stepping(most_frames=150), candidates=CANDIDATES,
     )  # fmt: skip
 
 

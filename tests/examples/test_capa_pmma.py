@@ -10,6 +10,8 @@ import pytest
 from scripts import load_example
 
 from thermo import read_scene
+from thermo.discover import Setting, library
+from thermo.mesh import box_mesh
 
 
 @pytest.fixture
@@ -47,6 +49,13 @@ def test_both_fluxes_stand_in_one_scene(example: ModuleType, data: Path, tmp_pat
         (air,) = run.air
         assert (run.ambient_temperature, air.temperature) == (gas, behind)
         assert (scene.convection, air.convection) == (8.6, 4.0)
+
+
+def test_a_latent_heat_alone_is_not_looked_for(example: ModuleType) -> None:
+    setting = Setting(box_mesh((0.02, 0.01, 0.01), (2, 1, 1)), 1210.0, 0.2, 290.0, 560.0)
+    kept = [one.card.name for one in example.CANDIDATES(setting)]
+    every = [one.card.name for one in library(setting)]
+    assert set(every) - set(kept) == {"latent_heat"} and len(kept) == len(every) - 1
 
 
 def test_a_missing_record_is_told_of(example: ModuleType, tmp_path: Path) -> None:

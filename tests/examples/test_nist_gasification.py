@@ -11,6 +11,7 @@ import pytest
 from scripts import load_example
 
 from thermo import read_scene
+from thermo.discover import Setting, library
 from thermo.inverse._conditions import conditions
 from thermo.mesh import box_mesh
 from thermo.physics import discretise
@@ -38,6 +39,15 @@ def data(tmp_path: Path) -> Path:
         rows = "\n".join(",".join(f"{x:.4f}" for x in row) for row in np.stack(columns, 1))
         (folder / name).write_text(f"Time,Temperature\n[s],[K]\n{rows}\n", encoding="utf-8")
     return tmp_path / "data"
+
+
+def test_what_is_known_to_be_absent_is_not_looked_for(example: ModuleType) -> None:
+    setting = Setting(box_mesh((0.02, 0.01, 0.01), (2, 1, 1)), 8940.0, 390.0, 290.0, 640.0)
+    every = {one.card.name for one in library(setting)}
+    absent = {"camera_emissivity", "camera_drift"}
+    for case, left_out in (("copper", absent | {"latent_heat"}), ("insulation", absent)):
+        kept = {one.card.name for one in example.CANDIDATES[case](setting)}
+        assert every - kept == left_out
 
 
 def test_copper_takes_in_the_panel_s_flux_and_loses_nothing(

@@ -22,7 +22,7 @@ from thermo.inverse import (
     simulate,
     weighted_quantile,
 )
-from thermo.mesh import face_areas
+from thermo.mesh import Surface, face_areas
 from thermo.observe import Recording, Scene
 
 from .conftest import START
@@ -128,7 +128,9 @@ def test_a_folder_predicts_as_the_estimate_that_it_holds(
     tmp_path: Path,
 ) -> None:
     save_estimate(tmp_path / "estimate.npz", fitted)
-    again = predict(block, tmp_path, meshing=fine)["test_lamp"]
+    said: list[str] = []
+    again = predict(block, tmp_path, meshing=fine, say=said.append)["test_lamp"]
+    assert len(said) == 1 and said[0].startswith("predicting test_lamp: meshing")
     assert np.allclose(again.temperature, predicted["test_lamp"].temperature, rtol=0, atol=1e-9)
 
 
@@ -162,10 +164,27 @@ def uniform(estimate: Estimate, value: float) -> Estimate:
     return replace(estimate, fields={"conductivity": replace(field, cells=cells, faces=faces)})
 
 
+def test_a_prediction_may_have_more_nodes_than_a_fit(
+    scene: Scene, fitted: Estimate, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[Meshing] = []
+
+    def stop(scene: Scene, surface: Surface, diffusivity: float, meshing: Meshing) -> float:
+        asked.append(meshing)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("thermo.inverse._predict._affordable", stop)
+    with pytest.raises(KeyboardInterrupt):
+        predict(scene, fitted)
+    assert asked[0].max_nodes > 2 * Meshing().max_nodes and asked[0].order == 2
+
+
 def test_a_simulation_is_a_prediction_with_uniform_values(
     block: Path, scene: Scene, fitted: Estimate, quadratic: Meshing
 ) -> None:
-    found = simulate(block, "test_lamp", values=START, meshing=quadratic)
+    said: list[str] = []
+    found = simulate(block, "test_lamp", values=START, meshing=quadratic, say=said.append)
+    assert len(said) == 1 and said[0].startswith("simulating test_lamp: meshing")
     same = uniform(fitted, START["conductivity"])
     wanted = predict(scene, same, meshing=quadratic)["test_lamp"]
     assert np.array_equal(found.mesh.nodes, wanted.mesh.nodes)

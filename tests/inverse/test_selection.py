@@ -36,6 +36,10 @@ def test_an_unknown_run_is_named_with_those_there_are(scene: Scene) -> None:
     with pytest.raises(InputError, match="unknown run") as caught:
         select_runs(scene, ("nope",), held_out=True)
     assert caught.value.limit == "lamp, cooling, test_lamp"
+    held = {name: replace(run, held_out=True) for name, run in scene.runs.items()}
+    with pytest.raises(InputError, match="unknown run") as caught:
+        select_runs(replace(scene, runs=held), ("nope",), held_out=False)
+    assert caught.value.limit == "none: every run is held out"
 
 
 def test_a_run_to_fit_is_meant_rather_than_one_that_is_held_out(scene: Scene) -> None:

@@ -4,7 +4,7 @@ import io
 
 import pytest
 
-from thermo.report import Progress
+from thermo.report import Progress, say_to
 
 
 class Terminal(io.StringIO):
@@ -27,6 +27,16 @@ def drive(stream: io.StringIO, steps: int, seconds: float) -> str:
             clock.now += seconds
             progress.update(step, 10.0 / step)
     return stream.getvalue()
+
+
+def test_what_is_said_is_seen_at_once_and_stands_on_a_line_of_its_own() -> None:
+    kept = io.BytesIO()
+    stream = io.TextIOWrapper(kept, "utf-8", write_through=False)
+    say = say_to(stream)
+    say("meshing")
+    assert kept.getvalue() == b"meshing\n"
+    say("compiling")
+    assert kept.getvalue() == b"meshing\ncompiling\n"
 
 
 def test_a_log_gets_a_line_every_five_seconds_and_the_last() -> None:

@@ -30,7 +30,7 @@ from thermo.imaging import (
 )
 from thermo.mesh import Surface, read_surface
 from thermo.observe import Recording, Run, Scene, read_scene
-from thermo.report import Progress, figure_rendering, require_writable
+from thermo.report import Progress, figure_rendering, require_writable, say_to
 
 FORMATS = ("npz", "gif", "mp4")
 # Edges of the triangles that carry a picture, at least, along the diagonal of the object. What
@@ -97,7 +97,7 @@ def _simulated(
     made = inverse.predict(
         replace(scene, runs={run.name: at_vertices}), folder, runs=(run.name,),
         tolerance=number(settings, "tolerance", above=0.0), additions=effects,
-        say=lambda words: print(words, file=sys.stderr, flush=True),
+        say=say_to(sys.stderr),
     )[run.name]  # fmt: skip
     return made.time, made.temperature
 

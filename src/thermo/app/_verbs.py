@@ -31,6 +31,7 @@ from thermo.report import (
     inversion_table,
     prediction_table,
     require_writable,
+    say_to,
     table,
     write_inversion,
     write_json,
@@ -67,7 +68,7 @@ def invert(settings: Configuration) -> None:
             scene,
             checkpoint=checkpoint,
             on_step=lambda step, about, loss: progress.update(step, loss, about),
-            say=_say,
+            say=say_to(sys.stderr),
             **arguments,
         )
     record = write_inversion(out, estimate, settings, dropped)
@@ -78,10 +79,6 @@ def invert(settings: Configuration) -> None:
     print(
         f"\n{ended} {estimate.resolution}{remarks}\n{out / 'result.json'}, {estimate.seconds:.0f} s"
     )
-
-
-def _say(words: str) -> None:
-    print(words, file=sys.stderr, flush=True)
 
 
 def _ending(estimate: inverse.Estimate, optimiser: inverse.AbstractOptimiser) -> str:
@@ -112,7 +109,7 @@ def predict(settings: Configuration) -> None:
         runs=names(settings["runs"], "runs"),
         meshing=build_meshing(settings["mesh"]),
         tolerance=number(settings, "tolerance", above=0.0),
-        say=_say,
+        say=say_to(sys.stderr),
     )
     seconds = time.monotonic() - begun
     taken = [one.card.name for one in effects or ()]
@@ -210,7 +207,7 @@ def simulate(settings: Configuration) -> None:
         values={**material, **exchange, "volumetric_heat_capacity": capacity},
         meshing=meshing,
         tolerance=number(settings, "tolerance", above=0.0),
-        say=_say,
+        say=say_to(sys.stderr),
     )
     seconds = time.monotonic() - begun
     runs = {str(settings["run"]): prediction}

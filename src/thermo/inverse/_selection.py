@@ -27,14 +27,13 @@ def select_runs(scene: Scene, names: tuple[str, ...] | None, *, held_out: bool) 
     if unknown or not names:
         # What is to be fitted is hardly a run that is held out.
         likely = [name for name, run in scene.runs.items() if held_out or not run.held_out]
-        likely = likely or list(scene.runs)
         first = "".join(unknown[:1])
         near = meant(first, likely) or meant(first, scene.runs)
         raise InputError(
             "unknown run" if unknown else "no run is left to work on",
             where=f"{scene.folder}: runs",
             value=", ".join(unknown) or "none",
-            limit=", ".join(likely),
+            limit=", ".join(likely) or "none: every run is held out",
             remedy=f"{near}name runs of the scene, as runs=[a,b]",
         )
     return [scene.runs[name] for name in dict.fromkeys(names)]

@@ -14,7 +14,7 @@ from ._folder import require_writable
 from ._json import write_json
 from ._live import log_to_rerun
 from ._npz import write_npz
-from ._progress import Progress
+from ._progress import Progress, say_to
 from ._table import table
 from ._text import write_text
 from ._versions import versions
@@ -63,6 +63,7 @@ __all__ = [
     "mean_record",
     "prediction_table",
     "require_writable",
+    "say_to",
     "surface_record",
     "table",
     "upward",

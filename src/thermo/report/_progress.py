@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Protocol, final, runtime_checkable
 
 from thermo._duration import duration
+from thermo._say import Say
 
 
 @runtime_checkable
@@ -24,6 +25,16 @@ class Stream(Protocol):
     def isatty(self) -> bool:
         """Whether a person watches."""
         ...
+
+
+def say_to(stream: Stream) -> Say:
+    """What writes each thing that is being done to a stream, a line each and at once."""
+
+    def say(words: str) -> None:
+        stream.write(f"{words}\n")
+        stream.flush()
+
+    return say
 
 
 @final
