@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lit_box import MESH, STATED
 from scipy.signal import lfilter
 
-from thermo.discover._held_out import _compared, closed, closed_interval
+from thermo.discover import _held_out
+from thermo.discover._bench import Apart, Bench
+from thermo.discover._extended import Extended
+from thermo.discover._held_out import _compared, closed, closed_interval, held_out
+from thermo.discover.candidates import TemperatureDependentConductivity
+from thermo.errors import InputError
+from thermo.inverse import coarse_tangents, lay_out
 from thermo.observe import Recording, Run
+
+from .lit_objective import box_task
 
 FRAMES = 50.0
 
@@ -87,3 +100,32 @@ def test_noise_is_what_a_model_that_is_right_leaves() -> None:
     assert found.noise == pytest.approx(size * np.sqrt(1.1), rel=0.02)
     assert found.rms_after == pytest.approx(found.noise, rel=0.02)
     assert found.gap_closed is None
+
+
+def test_infinitely_much_is_left_where_a_law_leads_to_temperatures_that_there_cannot_be(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    task = box_task(tmp_path)
+    cold, hot = task.runs
+    apart = {one.name: one for one in (cold, replace(hot, held_out=True))}
+    task = replace(task, runs=(cold,), scene=replace(task.scene, runs=apart))
+    ready = lay_out(task, MESH, STATED)
+    bench = Bench(task, ready, coarse_tangents(task, ready), MESH)
+    law = TemperatureDependentConductivity(jnp.zeros(1), None)
+    stated = bench.first((law,))
+    burst = replace(stated, candidates=(replace(law, strength=jnp.asarray([-0.05])),))
+
+    def read(there: Bench, point: Extended) -> Apart:
+        (case,) = there.coarse.cases
+        if point is burst:
+            raise InputError("cannot be", where="hot", value="-9 K", limit="0 K", remedy="units")
+        return [case.data + 2.0]
+
+    monkeypatch.setattr(_held_out, "finer_runs", read)
+    found = held_out(bench, stated, burst)[hot.name]
+    assert found.rms_after == np.inf and 0 < found.rms_before < np.inf
+    assert np.array_equal(found.differences.before, found.differences.after, equal_nan=True)
+    assert held_out(bench, stated, stated)[hot.name].rms_after == found.rms_before
+    # Where what is stated does, its numbers are wrong.
+    with pytest.raises(InputError, match="cannot be"):
+        held_out(bench, burst, burst)

@@ -305,6 +305,42 @@ def test_what_cells_may_leave_on_a_run_does_not_speak_against_an_effect(
         assert "does not hold on cooling" in said
 
 
+INF = float("inf")
+
+
+@pytest.mark.parametrize("word", ["named", "none_of_mine"])
+def test_what_leads_to_temperatures_that_there_cannot_be_is_not_named(
+    monkeypatch: pytest.MonkeyPatch, word: str
+) -> None:
+    path, found, told = apart(monkeypatch, {"hidden_source": INF}, word, cells=True)
+    assert path.word == "none_of_mine" and len(told) == 1, "smaller cells do not help"
+    assert "cannot be on run 0" in path.remarks[-1] and len(path.remarks) == 2
+    assert found["run 0"].rms_after == found["run 0"].rms_before == 50.0
+
+
+def test_of_rivals_one_that_leads_to_such_temperatures_is_excluded(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    path, found, _ = apart(monkeypatch, {"hidden_source": INF, "void": 1.1})
+    assert path.word == "named" and path.rounds[0].together == ["void"]
+    assert sizes(found) == sizes(proof(1.1)) and len(path.remarks) == 2
+    assert "hidden_source leaves temperatures that there cannot be on run 0" in path.remarks[-1]
+    path, found, _ = apart(monkeypatch, {"hidden_source": INF, "void": INF})
+    assert path.word == "none_of_mine" and sizes(found) == {"run 0": 50.0}
+
+
+def test_smaller_cells_may_find_such_temperatures_where_large_ones_do_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    left = iter([0.07, 0.07, INF])
+    monkeypatch.setattr(
+        f"{__name__}.proof", lambda *_: {"cooling": held(0.1, next(left), 0.5, (0.4, 0.6))}
+    )
+    path, found, told = apart(monkeypatch, {"hidden_source": 1.0}, "named", cells=True)
+    assert path.word == "none_of_mine" and len(told) == 3 and len(path.remarks) == 2
+    assert sizes(found) == {"cooling": 0.1}
+
+
 @pytest.mark.parametrize("same", [True, False])
 def test_cells_of_half_and_a_third_predict_where_a_search_stayed_on_its_mesh(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, same: bool

@@ -9,9 +9,10 @@ from typing import Final
 import numpy as np
 from jaxtyping import Float
 
-from thermo.discover._bench import Bench, finer_runs
+from thermo.discover._bench import Apart, Bench, finer_runs
 from thermo.discover._extended import Extended
 from thermo.discover._verdict import Differences, HeldOut
+from thermo.errors import InputError
 from thermo.inverse import at_once, coarse_tangents, lay_out, left_open, staying
 from thermo.observe import Run, estimate_noise, variance_error
 
@@ -21,7 +22,13 @@ _DRAWS: Final = 1000
 
 
 def held_out(bench: Bench, stated: Extended, extended: Extended) -> Mapping[str, HeldOut]:
-    """Both points on the finer mesh, on the runs that the scene holds out [K]."""
+    """Both points on the finer mesh, on the runs that the scene holds out [K].
+
+    Infinitely much is left where what is extended leads to temperatures that there cannot be, as a
+    law may that holds at those which were fitted only.
+
+    Raises `InputError` where what is stated does.
+    """
     scene = bench.task.scene
     runs = tuple(run for run in scene.runs.values() if run.held_out)
     if not runs:
@@ -30,7 +37,10 @@ def held_out(bench: Bench, stated: Extended, extended: Extended) -> Mapping[str,
     ready = replace(lay_out(task, bench.ready.mesh, bench.ready.stated), fields=bench.ready.fields)
     like = coarse_tangents(task, ready)
     there = replace(bench, task=task, ready=ready, coarse=like)
-    both = at_once(lambda point: finer_runs(there, point), (stated, extended))
+    before, after = at_once(lambda point: _read(there, point), (stated, extended))
+    if before is None:
+        before = finer_runs(there, stated)
+    both = before, before if after is None else after
     found, order = {}, iter(like.sequence)
     for number, case in enumerate(like.cases):
         apart = [np.nan_to_num(np.asarray(read[number]) - np.asarray(case.data)) for read in both]
@@ -41,7 +51,17 @@ def held_out(bench: Bench, stated: Extended, extended: Extended) -> Mapping[str,
             used = np.asarray(case.used)[row][here] > 0
             pair = [np.where(used, each[row][here], np.nan) for each in apart]
             found[run.name] = _compared((pair[0], pair[1]), run, time)
-    return found
+    if after is not None:
+        return found
+    return {name: replace(one, rms_after=float("inf")) for name, one in found.items()}
+
+
+def _read(bench: Bench, point: Extended) -> Apart | None:
+    """What a point reads on the finer mesh [K]; None where there can be no such temperatures."""
+    try:
+        return finer_runs(bench, point)
+    except InputError:
+        return None
 
 
 def _compared(

@@ -40,6 +40,11 @@ _HELD: Final = 1 - ELSEWHERE**2
 # Chance of as large a difference before the runs [1].
 _BY_REST: Final = 1e-3
 
+_IMPOSSIBLE: Final = (
+    "What was found in the fitted runs would lead to temperatures that there cannot be on {}: it "
+    "is not what is missing, and what is left there is told of the stated model alone."
+)
+
 
 def told_apart(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
     """What is predicted of held-out runs; and the path without what they exclude.
@@ -50,6 +55,17 @@ def told_apart(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
     the first that explains enough where quiet frames speak against the one at work. Where they do
     against all, or all are refuted, on smaller cells as well, nothing is named.
     """
+    path, proof = _judged(path, pace)
+    off = [name for name, one in proof.items() if not np.isfinite(one.rms_after)]
+    if not off:
+        return path, proof
+    stated = {name: replace(proof[name], rms_after=proof[name].rms_before) for name in off}
+    remarks = [*path.remarks, _IMPOSSIBLE.format(", ".join(off))]
+    return replace(path, word="none_of_mine", remarks=remarks), {**proof, **stated}
+
+
+def _judged(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
+    """As `told_apart`, infinitely much left where there can be no such temperatures."""
     path, proof = _without_excluded(path, pace)
     if path.word not in ("named", "inseparable"):
         return path, proof
@@ -59,7 +75,7 @@ def told_apart(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
         if path.word == "none_of_mine":
             return path, proof
         proof = held_out(path.standing.bench, path.begun.point, path.standing.point)
-    if not any(map(refuted, proof.values())):
+    if not any(map(refuted, proof.values())) or _impossible(proof):
         return path, proof
     remarks, large = list(path.remarks), proof
     benches = half_and_third(path.standing.bench, path.begun.bench)
@@ -67,6 +83,8 @@ def told_apart(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
         pace.step("predicting held-out runs on cells of two sizes")
         points = path.begun.point, path.standing.point
         large, proof = (held_out(bench, *points) for bench in benches)
+        if _impossible(proof):
+            return path, proof
     against = [name for name, one in proof.items() if refuted(less_cells(large[name], one))]
     remarks += [_cells(name, large[name], one) for name, one in proof.items()
                 if refuted(large[name]) and name not in against]  # fmt: skip
@@ -74,6 +92,11 @@ def told_apart(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
         return replace(path, remarks=remarks), proof
     remarks += [_refuted(name, proof[name]) for name in against]
     return replace(path, word="none_of_mine", remarks=remarks), proof
+
+
+def _impossible(proof: Proof) -> bool:
+    """Whether there can be no such temperatures as are predicted."""
+    return not all(np.isfinite(one.rms_after) for one in proof.values())
 
 
 def wrong_at_rest(begun: Standing, standing: Standing) -> str:
@@ -257,7 +280,7 @@ def _refuted(run: str, one: HeldOut) -> str:
 def _excluded(best: str, proof: Proof, out: Mapping[str, Proof]) -> str:
     """What to say of those that are taken out."""
     told = "; ".join(
-        f"{name} leaves {one.rms_after:.3g} K on {run}, {best} {proof[run].rms_after:.3g} K"
+        f"{name} leaves {_left(one)} on {run}, {best} {proof[run].rms_after:.3g} K"
         for name, found in out.items()
         for run, one in found.items()
     )
@@ -265,3 +288,8 @@ def _excluded(best: str, proof: Proof, out: Mapping[str, Proof]) -> str:
         f"Held-out runs tell apart what explains the fitted ones alike: {told}. They have been "
         "used for that, and are no proof by themselves any more."
     )
+
+
+def _left(one: HeldOut) -> str:
+    possible = np.isfinite(one.rms_after)
+    return f"{one.rms_after:.3g} K" if possible else "temperatures that there cannot be"
