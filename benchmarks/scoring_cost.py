@@ -48,7 +48,7 @@ def main() -> None:
     )  # fmt: skip
     bench = set_up(task)
     every = library(setting_of(task.scene, task.runs, bench.ready.mesh, task.names))
-    begun, _ = _begin(bench, every, silent())
+    begun, _, _ = _begin(bench, every, silent())
     laws = tuple(one for one in every if one.card.law)
     bare = replace(begun.point, candidates=())
     unknowns = begun.ended.slopes.shape[1]

@@ -38,7 +38,7 @@ from thermo.discover.candidates import HeaterPower, HiddenSource
 from thermo.errors import InputError
 from thermo.inverse import Conditions, Meshing, Stepping, predict
 from thermo.mesh import box_mesh
-from thermo.observe import Run, Scene, read_scene
+from thermo.observe import Recording, Run, Scene, read_scene
 from thermo.report import discovery_record, write_discovery
 
 MESHING, STEPPING = Meshing(max_nodes=1500), Stepping(tolerance=0.05)
@@ -158,6 +158,24 @@ def test_where_nothing_is_missing_nothing_is_named(
     power = found.missed["heater_power"]
     least = power.strengths[0.8]
     assert least is not None and least < 0.1 and power.unit == "1"
+
+
+def test_without_quiet_frames_what_samples_are_off_by_all_the_time_is_no_effect(
+    scene: Scene,
+) -> None:
+    random, runs = np.random.default_rng(11), {}
+    for name, run in scene.runs.items():
+        record = run.recording
+        off = 0.5 * random.standard_normal(len(record.points))
+        read = record.temperature + off
+        blind = Recording(record.points, record.time, read, record.valid)
+        runs[name] = replace(run, recording=blind)
+    found = asked(replace(scene, runs=runs))
+    assert found.verdict == "no_gap" and found.omnibus[0] > 0.01
+    told = [one for one in found.remarks if "has no quiet frames" in one]
+    assert len(told) == 2 and all("samples are off by that" in one for one in told)
+    proof = found.held_out["test_lamp"]
+    assert proof.rms_after == pytest.approx(proof.noise, rel=0.1)
 
 
 def test_a_lamp_of_another_power_is_named_by_how_much_it_is_off(

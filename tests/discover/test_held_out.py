@@ -102,6 +102,20 @@ def test_noise_is_what_a_model_that_is_right_leaves() -> None:
     assert found.gap_closed is None
 
 
+def test_without_quiet_frames_noise_is_what_is_left_between_neighbours() -> None:
+    random, size = np.random.default_rng(7), 0.05
+    points, time = random.uniform(0.0, 0.02, (300, 3)), np.linspace(0.0, 8.0, 80)
+    off = 0.4 * random.standard_normal(300)
+    read = 300.0 + off + size * random.standard_normal((80, 300))
+    run = Run("dark", Recording(points, time, read), 300.0, 300.0, 300.0)
+    gap = 0.3 * np.sin(2.0 * time)[:, None]
+    found = _compared((read - 300.0 + gap, read - 300.0), run, time)
+    assert found.rms_after == pytest.approx(size, rel=0.03)
+    assert found.noise == pytest.approx(size, rel=0.05)
+    assert found.rms_before == pytest.approx(np.sqrt(np.mean(gap**2) + size**2), rel=0.03)
+    assert found.gap_closed == pytest.approx(1.0, abs=0.02)
+
+
 def test_infinitely_much_is_left_where_a_law_leads_to_temperatures_that_there_cannot_be(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

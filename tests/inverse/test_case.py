@@ -12,7 +12,7 @@ import pytest
 from thermo.errors import InputError
 from thermo.inverse._case import Case, group_cases, in_kelvin, make_case, stack_cases
 from thermo.inverse._reading_errors import whiten
-from thermo.observe import Recording, Run, Scene, estimate_noise
+from thermo.observe import Noise, Recording, Run, Scene, estimate_noise
 from thermo.physics import discretise, uniform_steps
 
 from .objectives import MESH, case
@@ -48,6 +48,20 @@ def test_without_quiet_frames_what_is_stated_of_constant_errors_stays(scene: Sce
     np.testing.assert_array_equal(case(run).errors.staying, 0.0)
     # What is left in the readings is not pinned by quiet frames.
     assert not np.any(told.pinned)
+
+
+def test_noise_that_is_stated_counts_in_place_of_what_the_recording_tells(scene: Scene) -> None:
+    run = recorded(scene.runs["lamp"])
+    assert run.noise_of_readings() == estimate_noise(run.recording)
+    told = replace(run, noise=Noise(0.07, 0.2, 0.5))
+    assert told.noise_of_readings() == Noise(0.07, 0.2, 0.5)
+    errors = case(told).errors
+    np.testing.assert_allclose(errors.staying, 0.04)
+    np.testing.assert_allclose(errors.fading, 0.07**2)
+    np.testing.assert_allclose(np.asarray(errors.kept)[1:], 0.5)
+    # Of what a run states and of what its noise has the larger one counts.
+    stated = case(replace(told, constant_error=0.3)).errors
+    np.testing.assert_allclose(stated.staying, 0.09)
 
 
 def test_an_error_that_quiet_frames_tell_is_not_stated_as_well(scene: Scene) -> None:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from lit_box import FRAMES, POINTS, run
 
 from thermo.inverse import left_open, staying
-from thermo.observe import Recording, Run, estimate_noise
+from thermo.observe import Noise, Recording, Run, estimate_noise
 
 SHAPE = (len(FRAMES), len(POINTS))
 
@@ -29,6 +29,19 @@ def test_it_is_the_mean_drawn_to_zero_by_what_is_stated(stated: float, seed: int
     count = np.isfinite(apart).sum(0)
     share = stated**2 / (stated**2 + white**2 / count)
     np.testing.assert_allclose(staying(apart, one), share * np.nanmean(apart, 0))
+
+
+def test_what_the_noise_has_of_it_counts_where_it_is_more_than_what_is_stated() -> None:
+    apart = np.random.default_rng(2).normal(size=SHAPE)
+    learnt = replace(run(), noise=Noise(0.05, 0.4))
+    like = replace(run(), constant_error=0.4, noise=Noise(0.05, 0.0))
+    np.testing.assert_array_equal(staying(apart, learnt), staying(apart, like))
+    assert np.any(staying(apart, learnt))
+    more = replace(learnt, constant_error=2.0)
+    assert np.all(np.abs(staying(apart, more)) > np.abs(staying(apart, learnt)))
+    # Quiet frames have told it, and it has been taken off.
+    quiet = replace(run(quiet=True), noise=Noise(0.05, 0.4))
+    np.testing.assert_array_equal(staying(apart, quiet), 0.0)
 
 
 def test_a_sample_that_reads_nothing_has_none() -> None:

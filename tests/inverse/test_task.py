@@ -13,7 +13,7 @@ import pytest
 from thermo.errors import InputError
 from thermo.inverse import LevenbergMarquardt, Meshing, Prior, Stepping, Uniform
 from thermo.inverse._task import Task, what_is_asked
-from thermo.observe import Air, Box, Course, Prescribed, Run, Scene
+from thermo.observe import Air, Box, Course, Noise, Prescribed, Run, Scene
 
 
 def task(scene: Scene, run: Run) -> Task:
@@ -49,6 +49,8 @@ CHANGES: dict[str, Callable[[Run], Run]] = {
     "prescribed_else": lambda run: replace(
         run, prescribed=(Prescribed(CORNERS[0], CORNERS[0], *HISTORY),)
     ),
+    "noise": lambda run: replace(run, noise=Noise(0.05, 0.1)),
+    "noise_that_stays": lambda run: replace(run, noise=Noise(0.05, 0.1, 0.4)),
     "reading": lambda run: read(run, "temperature", run.recording.temperature + 0.1),
     "valid": lambda run: read(run, "valid", np.zeros_like(run.recording.valid)),
 }

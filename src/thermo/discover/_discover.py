@@ -25,6 +25,7 @@ from thermo.discover._bench import (
 from thermo.discover._candidate import Candidate
 from thermo.discover._cautions import cautions
 from thermo.discover._descent import Ended
+from thermo.discover._learnt_noise import taken_as_exact, with_learnt_noise
 from thermo.discover._library import Setting, library, setting_of
 from thermo.discover._memory import memory_of
 from thermo.discover._met import estimate_of
@@ -51,7 +52,7 @@ from thermo.inverse import (
     with_defects,
     with_fields,
 )
-from thermo.observe import Scene, estimate_noise
+from thermo.observe import Scene
 
 FRAMES = 300
 """Frames of a run that are compared [1], as a slow sensor shows from frame to frame."""
@@ -113,11 +114,13 @@ def discover(
     _check_names(every)
     memory = memory_of(checkpoint, every)
     bench, pace = replace(bench, memory=memory), Pace(say, memory.spared)
-    begun, left = _begin(bench, every, pace)
+    begun, left, noise = _begin(bench, every, pace)
     cells = rough(_sizes(begun, left), _noise(begun))
     path = search(begun, tuple(one for one in every if one.card.law), pace, rough=bool(cells))
     path, proof = told_apart(path, pace)
-    told = left_out(every, setting) + blind_to(path.table)
+    if path.word != "no_gap":
+        noise = noise + taken_as_exact(begun.bench.task.runs)
+    told = noise + left_out(every, setting) + blind_to(path.table)
     path = replace(path, remarks=path.remarks + cells + told)
     return _answer(path, proof, left, time.monotonic() - started)
 
@@ -153,7 +156,7 @@ def _answer(path: SearchPath, proof: Mapping[str, HeldOut], left: Apart, seconds
 
 def _noise(begun: Standing) -> dict[str, float]:
     """Of a reading, by run [K]."""
-    return {run.name: estimate_noise(run.recording).fluctuation() for run in begun.bench.task.runs}
+    return {run.name: run.noise_of_readings().fluctuation() for run in begun.bench.task.runs}
 
 
 def rough(cells: Mapping[str, float], noise: Mapping[str, float]) -> list[str]:
@@ -197,8 +200,10 @@ def _check_names(every: tuple[Candidate, ...]) -> None:
         )  # fmt: skip
 
 
-def _begin(bench: Bench, every: tuple[Candidate, ...], pace: Pace) -> tuple[Standing, Apart]:
-    """The stated model fitted, and what a fit's usual cells and steps make wrong there [K]."""
+def _begin(
+    bench: Bench, every: tuple[Candidate, ...], pace: Pace
+) -> tuple[Standing, Apart, list[str]]:
+    """The stated model fitted, what a fit's usual cells and steps make wrong there [K], remarks."""
     pace.step("fitting what is stated")
     # Laws make another program, and stand in the point only where one of them is at work.
     point = bench.first(tuple(one for one in every if not one.card.law))
@@ -207,7 +212,7 @@ def _begin(bench: Bench, every: tuple[Candidate, ...], pace: Pace) -> tuple[Stan
     standing = Standing(bench, first, point, (), nothing, NOTHING_ALLOWED)
     standing = fitted(standing, times=0)
     pace.step("measuring what cells and steps make wrong", MEASURE)
-    standing = fitted(standing, times=1)
+    standing, remarks = with_learnt_noise(fitted(standing, times=1))
     pace.step("measuring what is left of that")
     # Once more where that ended; the same finer runs say what a fit's usual cells make wrong.
     wanted = finer_runs(standing.bench, standing.point)
@@ -221,7 +226,7 @@ def _begin(bench: Bench, every: tuple[Candidate, ...], pace: Pace) -> tuple[Stan
         stamp_columns(runs, bench.coarse, read_there(bench.memory, bench.coarse, small), count),
     )
     allowed = allowance(runs, np.concatenate(errors, 1))
-    return fitted(replace(standing, bench=bench, allowed=allowed), times=0), left
+    return fitted(replace(standing, bench=bench, allowed=allowed), times=0), left, remarks
 
 
 def _sizes(begun: Standing, left: Apart) -> dict[str, float]:

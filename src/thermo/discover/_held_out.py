@@ -11,10 +11,11 @@ from jaxtyping import Float
 
 from thermo.discover._bench import Apart, Bench, finer_runs
 from thermo.discover._extended import Extended
+from thermo.discover._learnt_noise import noise_left, with_noise
 from thermo.discover._verdict import Differences, HeldOut
 from thermo.errors import InputError
 from thermo.inverse import at_once, coarse_tangents, lay_out, left_open, staying
-from thermo.observe import Run, estimate_noise, variance_error
+from thermo.observe import Run, variance_error
 
 # Fewer samples than these [1] are no sample of the body; draws of them.
 _FEW: Final = 10
@@ -70,10 +71,11 @@ def _compared(
     time: Float[np.ndarray, " frames"],
 ) -> HeldOut:
     """Differences of one run before and after [K], at its times [s]; NaN where nothing is read."""
+    run = with_noise(run, noise_left(run, apart[1], time))
     both = [_staying_off(each, run) for each in apart]
     apart_there = Differences(time, run.recording.points, *both)
     before, after = (float(np.sqrt(np.nanmean(each**2))) for each in both)
-    told, doubt = estimate_noise(run.recording), variance_error(run.recording)
+    told, doubt = run.noise_of_readings(), variance_error(run.recording)
     count, size = np.isfinite(both[0]).sum(0), told.fluctuation() ** 2
     # What quiet frames leave open of a sample's constant error is in all of its differences.
     stays = left_open(run)

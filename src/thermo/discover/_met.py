@@ -9,7 +9,6 @@ import numpy as np
 from thermo.discover._bench import read_there, steps_for
 from thermo.discover._standing import Standing, with_few_places
 from thermo.inverse import Estimate, RunFit, defect_sizes, recovered, staying, with_fields
-from thermo.observe import estimate_noise
 
 _RESOLVED: Final = "What cells and steps make wrong was measured on a finer mesh and taken off."
 
@@ -33,7 +32,7 @@ def met_runs(standing: Standing) -> dict[str, RunFit]:
             measured = measured - staying(measured - read[here], run)
             found[run.name] = RunFit(
                 rmse=float(np.sqrt(np.nanmean((read[here] - measured) ** 2))),
-                noise=estimate_noise(run.recording).fluctuation(),
+                noise=run.noise_of_readings().fluctuation(),
                 defect=sizes[number],
                 deviation=1 / float(weight.max()),
                 time=time,

@@ -15,7 +15,7 @@ from jaxtyping import Array, Float, Int
 from thermo.inverse._common_errors import CommonErrors
 from thermo.inverse._conditions import Conditions, conditions
 from thermo.inverse._reading_errors import ReadingErrors, in_common
-from thermo.observe import Noise, Run, bind, estimate_noise
+from thermo.observe import Noise, Run, bind
 from thermo.physics import Discretisation, ReadOut, TimeGrid, between_steps, lengthened
 
 # Quiet frames whose mean is so near the temperature at the start are where that is from [K]: single
@@ -155,7 +155,7 @@ def make_case(
     recording = run.recording
     readout, _ = bind(recording, space.mesh, where=where)
     frames = np.searchsorted(recording.time, np.asarray(grid.frame_time) - 1e-9)
-    noise = estimate_noise(recording)
+    noise = run.noise_of_readings()
     error = constant_error(run, noise)[0]
     data = jnp.asarray(recording.temperature[frames] - error)
     errors = reading_errors(run, noise, frames, model_error=model_error)

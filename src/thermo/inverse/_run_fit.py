@@ -15,7 +15,7 @@ from thermo.inverse._minimise import Fit
 from thermo.inverse._objective import Objective, residual, run_parts
 from thermo.inverse._reading_errors import colour, with_again
 from thermo.inverse._staying import staying
-from thermo.observe import Run, estimate_noise
+from thermo.observe import Run
 from thermo.physics import TimeGrid
 
 
@@ -42,7 +42,7 @@ def run_fits(fit: Fit, runs: tuple[Run, ...], grids: dict[str, TimeGrid]) -> dic
         found, difference = found - stays, difference + stays
         result[run.name] = RunFit(
             rmse=float(np.sqrt(np.nanmean(difference**2))),
-            noise=estimate_noise(run.recording).fluctuation(),
+            noise=run.noise_of_readings().fluctuation(),
             defect=defect[number],
             deviation=1 / float(weight.max()),
             time=np.asarray(grids[run.name].frame_time),

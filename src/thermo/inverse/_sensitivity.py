@@ -30,7 +30,7 @@ from thermo.inverse._stages import make_objective
 from thermo.inverse._stepping import Stepping
 from thermo.inverse._surface_scale import scale_slopes
 from thermo.inverse._task import Prior, Task, prepare, what_is_asked
-from thermo.observe import Scene, estimate_noise
+from thermo.observe import Scene
 
 
 @final
@@ -167,7 +167,7 @@ def _by_run(
         run = task.runs[number]
         here = matrix[part].reshape(*weight.shape, -1)
         slopes[run.name] = here[:, : len(run.recording.points)]
-        found = estimate_noise(run.recording)
+        found = run.noise_of_readings()
         noise[run.name] = found.long_run()
         staying[run.name] = float(np.sqrt(np.mean(constant_error(run, found)[1])))
         common[run.name] = common_deviations(run, found)

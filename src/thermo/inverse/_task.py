@@ -108,7 +108,8 @@ class Task:
             held = (run.recording, run.heater, run.prescribed, run.insulated, run.air)
             leaves = [np.ascontiguousarray(leaf) for leaf in jax.tree.leaves(held)]
             shapes = [leaf.shape for leaf in leaves]
-            layout = (run.name, around, run.constant_error, str(jax.tree.structure(held)), shapes)
+            errors = (run.constant_error, run.noise)
+            layout = (run.name, around, errors, str(jax.tree.structure(held)), shapes)
             digest.update(repr(layout).encode())
             for leaf in leaves:
                 digest.update(leaf.tobytes())

@@ -16,6 +16,7 @@ from ._air import Air
 from ._box import Box
 from ._heater import Heater
 from ._kelvin import check_kelvin_number
+from ._noise import Noise, estimate_noise
 from ._npz import check_file
 from ._number import check_number, shown
 from ._prescribed import Prescribed
@@ -142,6 +143,7 @@ class Run:
         surroundings.
     - `air`: what air there is over parts of the surface, where its convection is known and is not
         that of the rest. Where boxes overlap the later one counts; an insulated face has no air.
+    - `noise`: of its readings [K], where that is known otherwise than from the recording.
     - `where`: what messages call this run.
 
     Raises `InputError` for temperatures that cannot be kelvin, an unusable name, a lamp that
@@ -160,6 +162,7 @@ class Run:
     insulated: tuple[Box, ...] = ()
     constant_error: float = 0.0
     air: tuple[Air, ...] = ()
+    noise: Noise | None = None
     where: InitVar[str] = "run"
 
     def __post_init__(self, where: str) -> None:
@@ -188,6 +191,10 @@ class Run:
                     limit=f"the recording's frames, {first:g} to {last:g} s",
                     remedy="give a longer history, or cut the recording",
                 )  # fmt: skip
+
+    def noise_of_readings(self) -> Noise:
+        """What is stated, else what the recording tells [K]."""
+        return estimate_noise(self.recording) if self.noise is None else self.noise
 
     def switches(self) -> tuple[float, ...]:
         """Times after the start at which the sources jump [s]."""
