@@ -12,6 +12,7 @@ from box_scene import write_block
 from verdicts import verdict
 
 from thermo.discover import Candidate, Setting, effects_as_arrays, library, load_effects
+from thermo.discover._candidate import with_edge
 from thermo.discover._library import setting_of
 from thermo.errors import InputError
 from thermo.inverse import predict, save_estimate
@@ -50,6 +51,17 @@ def test_few_places_come_back_as_few(scene: Scene, tmp_path: Path) -> None:
     assert one.card.name == "hidden_source" and one.strength.shape == (1,)
     assert one.place is not None and one.place.centre is not None
     np.testing.assert_array_equal(one.place.centre, [[0.01, 0.0, 0.004]])
+
+
+def test_a_patch_with_an_edge_comes_back_as_one(scene: Scene, tmp_path: Path) -> None:
+    (bell,) = (one for one in every(scene) if one.card.edged)
+    even = with_edge(bell)
+    saved = verdict("named").extended
+    save_estimate(tmp_path / "estimate.npz", saved, effects_as_arrays((even,)))
+    (again,) = load_effects(tmp_path, scene)
+    assert jax.tree.structure(again) == jax.tree.structure(even) != jax.tree.structure(bell)
+    for leaf, same in zip(jax.tree.leaves(even), jax.tree.leaves(again), strict=True):
+        np.testing.assert_array_equal(leaf, same)
 
 
 def test_a_fit_without_effects_has_none(scene: Scene, tmp_path: Path) -> None:

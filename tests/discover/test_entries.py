@@ -12,6 +12,7 @@ from jax.flatten_util import ravel_pytree
 from lit_box import MESH
 
 from thermo.discover import Inclusion, Place
+from thermo.discover._candidate import with_edge
 from thermo.discover._descent import Free
 from thermo.discover._entries import (
     entries,
@@ -180,6 +181,20 @@ def test_bounds_are_of_the_places_that_were_first(point: Extended, flat: np.ndar
     free = free_entries(point, entry, wide, CORNERS)
     size = [float(one[-1]) for one in (flat[free.number], free.scale, free.low, free.high)]
     assert size == pytest.approx([0.004, 0.005, 0.0025, 0.040])
+
+
+def test_a_patch_with_an_edge_may_be_thin_beside_the_bell_that_was_first() -> None:
+    first = FIRST[1]
+    even = with_edge(first)
+    point = Extended({}, (even,))
+    entry = entry_of(point, ("local_convection", 1))
+    free, flat = free_entries(point, entry, first, CORNERS), np.asarray(ravel_pytree(point)[0])
+    form = [(flat[free.number[n]], free.scale[n], free.low[n], free.high[n]) for n in range(9)]
+    assert form[0] == pytest.approx((30.0, 50.0, -np.inf, np.inf))
+    # Twice the first bell's 0.005 m, and from a tenth of a quarter of it on.
+    for one in form[4:7]:
+        assert one == pytest.approx((0.010, 0.005, 0.025 * 0.010, 0.040))
+    assert sorted(free.number[1:4] - free.number[1]) == [0, 1, 2]
 
 
 def test_parts_are_joined_in_their_order(point: Extended) -> None:

@@ -18,7 +18,7 @@ from verdicts import one_round
 from thermo.discover import Calibration, Card, Place, Round, _path
 from thermo.discover._bench import Bench
 from thermo.discover._entries import Entry
-from thermo.discover._pace import silent
+from thermo.discover._pace import Pace, silent
 from thermo.discover._path import SearchPath, search, twice
 from thermo.discover._refits import Refit
 from thermo.discover._scores import Score, ScoreTable
@@ -67,6 +67,15 @@ def searched(
     nothing = replace(table)
     raised = iter([True] * alarms + [False] * 9)
     made, order = iter(rounds), iter(standings[1:])
+
+    def edged(
+        now: Standing, rounds: list[Round], before: Standing, most: float, _: Pace
+    ) -> tuple[Standing, list[Round]]:
+        """Asked of each effect that is no guess, before cells are made smaller."""
+        assert before is not now and most == table.threshold**2
+        cells.append("edge")
+        return now, rounds
+
     fakes: dict[str, Any] = {
         "scored": lambda *_, **__: table,
         "clear_of_shapes": lambda made, _: (
@@ -81,6 +90,7 @@ def searched(
         "with_all": lambda *_: next(order),
         "_out_of_reach": lambda *_: False,
         "placed": lambda made: place and made is not standings[0],
+        "with_an_edge": edged,
         "on_small_cells": lambda made, rounds, *_: (cells.append("smaller") or made, rounds),
         "with_doubt": lambda made, _: doubts.append(made) or copy(made),
         "rivals_of": lambda *_: {("one", 0): []},
@@ -206,7 +216,8 @@ def test_two_that_do_not_close_nine_tenths_are_an_end(monkeypatch: pytest.Monkey
     # Had the first closed half of it, a third would have been looked for.
     rounds[0] = found(0.1, 0.5, 0.6)
     path = searched(monkeypatch, left, rounds, alarms=3, smaller=smaller)
-    assert path.word == "named" and len(path.rounds) == 3 and len(smaller) == 3
+    assert path.word == "named" and len(path.rounds) == 3
+    assert smaller == ["edge", "smaller"] * 3
 
 
 def test_a_fault_of_the_record_is_told_of_and_not_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, final
 
 import equinox as eqx
@@ -46,6 +46,7 @@ class Card:
     - `smallest`: of a place over its first size [1].
     - `alike`: in words, what no candidate stands for and reads as a positive strength does.
     - `means`: in words, what the strength is; none where name and unit say so.
+    - `edged`: whether its places may be of the form of an `Inclusion` as well as bells.
     """
 
     name: str
@@ -62,6 +63,7 @@ class Card:
     smallest: float = 0.25
     alike: str = ""
     means: str = ""
+    edged: bool = False
 
 
 @final
@@ -181,3 +183,18 @@ class AbstractReadingCandidate(AbstractReadingAddition):
 
 Candidate = AbstractHeatCandidate | AbstractReadingCandidate
 """An effect that may be missing."""
+
+
+def with_edge(one: Candidate) -> Candidate:
+    """The candidate with even places that have an edge, for bells of the same second moments [m].
+
+    As it is where its places are no bells, or may be nothing else. A disc has the moments of a
+    bell half as wide.
+    """
+    bells = one.place
+    if not one.card.edged or not isinstance(bells, Place) or bells.centre is None:
+        return one
+    ones = jnp.ones_like(bells.size)
+    size = jnp.broadcast_to(2.0 * bells.size[:, None], bells.centre.shape)
+    even = Inclusion(bells.centre, size, SQUARENESS[0] * ones, SHARPNESS[0] * ones)
+    return replace(one, place=even)

@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from thermo.discover._candidate import Candidate
+from thermo.discover._candidate import Candidate, with_edge
 from thermo.discover._library import Setting, setting_of
 from thermo.discover._registered import registered
 from thermo.errors import InputError
@@ -77,9 +77,13 @@ def _filled(
             limit="one of " + ", ".join(sorted(known)),
             remedy="give the candidates that were searched, or install what registers them",
         )  # fmt: skip
-    leaves, tree = jax.tree_util.tree_flatten_with_path(known[name])
-    keys = [begin + jax.tree_util.keystr(way) for way, _ in leaves]
     told = {key for key in arrays if key.startswith(begin)}
+    forms = [jax.tree_util.tree_flatten_with_path(one)
+             for one in (known[name], with_edge(known[name]))]  # fmt: skip
+    named = [
+        ([begin + jax.tree_util.keystr(way) for way, _ in leaves], tree) for leaves, tree in forms
+    ]
+    keys, tree = next((pair for pair in named if set(pair[0]) == told), named[0])
     if told != set(keys):
         raise InputError(
             "this effect was saved by another version of its candidate", where=str(path),

@@ -15,8 +15,10 @@ from thermo.discover._candidate import (
     Candidate,
     Card,
     Inclusion,
+    Place,
     Transition,
     Where,
+    with_edge,
 )
 from thermo.discover._descent import Free
 from thermo.discover._extended import Extended, numbers
@@ -24,6 +26,8 @@ from thermo.inverse import Parameters
 
 # A place's size is at most so many times the first [1]; a field's logarithm moves by this [1].
 _LARGER, _FIELD = 4.0, 0.3
+# What has an edge in place of a bell may be so many times as small as that at the least [1].
+_THIN = 0.1
 # A transition stays within so many of its first widths of where it is looked for at first [1].
 _WIDTHS = 3.0
 # Logarithm of how far below its first value a coefficient is brought back at once [1].
@@ -106,8 +110,12 @@ def free_entries(
             np.zeros(count, bool),
         )
     ]
+    smallest = card.smallest
+    if isinstance(at.place, Inclusion) and isinstance(before.place, Place):
+        # Across a skin an even patch may be as thin as the body is there.
+        before, smallest = with_edge(before), _THIN * smallest
     if before.place is not None and at.place is not None:
-        parts += _of_place(at.place, before.place, entry.part, corners, card.smallest)
+        parts += _of_place(at.place, before.place, entry.part, corners, smallest)
     return joined(*parts)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from thermo.discover._bench import FINEST, finest
 from thermo.discover._calibration import Calibration, calibration
 from thermo.discover._candidate import Candidate
+from thermo.discover._edged import with_an_edge
 from thermo.discover._entries import Active
 from thermo.discover._pace import Pace
 from thermo.discover._place_doubt import (
@@ -130,8 +131,7 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace, *, rough: b
             begun = begun if number else standing
         tables.append(table)
         calm = standing.chance() > share * BY_SHAPES
-        rest = _at_rest(standing, table, calm)
-        if rest is not None:
+        if (rest := _at_rest(standing, table, calm)) is not None:
             remarks += rest
             break
         made = put_first(refits(standing, table, laws, pace), table.threshold**2)
@@ -151,12 +151,13 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace, *, rough: b
             remarks.append(_NO_PAIR.format(100 * share_closed(begun, standing)))
             break
         if not tentative(rounds[-1]):
-            # Before, most of the gap is still there, and what is left is not the cells'.
-            standing, rounds = on_small_cells(standing, rounds, begun, before, pace, remarks)
+            # Before, most of the gap is still there, and what is left is not a shape's or cells'.
+            formed = with_an_edge(standing, rounds, before, table.threshold**2, pace)
+            standing, rounds = on_small_cells(*formed, begun, before, pace, remarks)
         pace.step("allowing for what the shapes of places may make wrong")
-        settled, standing = standing, with_doubt(standing, begun.allowed)
-        doubted, most = standing, table.threshold**2
-        standing, rounds, told = replaced(standing, rounds, rivals, most, pace)
+        settled = standing
+        standing = doubted = with_doubt(standing, begun.allowed)
+        standing, rounds, told = replaced(standing, rounds, rivals, table.threshold**2, pace)
         if told:
             remarks += told
             settled = standing

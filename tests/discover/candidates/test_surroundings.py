@@ -28,7 +28,7 @@ from lit_box import (
     wrapped,
 )
 
-from thermo.discover import Candidate, Place
+from thermo.discover import Candidate, Inclusion, Place
 from thermo.discover.candidates import (
     AmbientDrift,
     BackingConduction,
@@ -148,6 +148,23 @@ def test_patches_add_up() -> None:
     distance = ((SPACE.face_point[:, :, None] - np.asarray(both.centre)) ** 2).sum(-1)
     shape = np.exp(-distance / (2 * np.asarray(both.size) ** 2))
     np.testing.assert_allclose(first.coefficient, shape @ [30.0, 50.0], rtol=1e-12)
+
+
+def test_a_patch_with_an_edge_is_even_within_it_and_may_lie_on_one_side_alone() -> None:
+    lower = (0.01, 0.01, 0.0)
+    even = Inclusion(
+        jnp.asarray([lower]),
+        jnp.asarray([[0.006, 0.006, 0.002]]),
+        12 * jnp.ones(1),
+        24 * jnp.ones(1),
+    )
+    effect = LocalConvection(one(30.0), even).to_model(bare(hot()), hot()).surface[-1]
+    assert isinstance(effect, Convection)
+    way = np.abs(SPACE.face_point - np.asarray(lower)) / [0.006, 0.006, 0.002]
+    film, far = np.asarray(effect.coefficient), way.max(-1)
+    np.testing.assert_allclose(film[far < 0.75], 30.0, rtol=1e-2)
+    np.testing.assert_allclose(film[far > 1.2], 0.0, atol=1e-3)
+    assert np.any(far < 0.75)
 
 
 def contact_of(model: Model) -> np.ndarray:

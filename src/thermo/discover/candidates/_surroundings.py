@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from thermo.discover._candidate import AbstractHeatCandidate, Card, Place
+from thermo.discover._candidate import AbstractHeatCandidate, Card, Inclusion, Place
 from thermo.discover.candidates._covered_faces import covered
 from thermo.inverse import Conditions
 from thermo.physics import Discretisation, Model, triangle_rule
@@ -52,7 +52,10 @@ class MissingRadiation(AbstractHeatCandidate):
 
 @final
 class LocalConvection(AbstractHeatCandidate):
-    """Convection that is stronger on a patch, h(x) = h + strength exp(-r^2 / (2 size^2))."""
+    """Convection that is stronger on a patch, h(x) = h + strength exp(-r^2 / (2 size^2)).
+
+    Or on one with an edge, within an `Inclusion`.
+    """
 
     card: ClassVar[Card] = Card(
         "local_convection", "W/m2/K", 100.0, -np.inf, np.inf,
@@ -60,10 +63,11 @@ class LocalConvection(AbstractHeatCandidate):
         hides_behind="contact at the same patch",
         split_by="a fan that is turned off, the body turned round",
         alike="a support under that place",
-        means="convection beyond what is stated, in the middle of a patch that fades as a bell",
+        means="convection beyond what is stated, in the middle of a patch",
+        edged=True,
     )  # fmt: skip
     strength: Float[Array, " parts"]
-    place: Place
+    place: Place | Inclusion
 
     def to_model(self, model: Model, under: Conditions) -> Model:
         """The model [SI] with more convection on patches."""

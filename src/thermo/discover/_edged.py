@@ -1,0 +1,63 @@
+"""Places that end at an edge, where bells leave a misfit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import jax.numpy as jnp
+import numpy as np
+
+from thermo.discover._candidate import Candidate, Inclusion, with_edge
+from thermo.discover._pace import Pace
+from thermo.discover._rounds import effect_of, rms
+from thermo.discover._standing import BY_SHAPES, Standing, fitted, lost, share_closed
+from thermo.discover._verdict import Round
+from thermo.mesh import Mesh
+
+# Of a patch that is even, over one that fades as a bell, for as much in all [1]; across the skin it
+# begins so thin, over how wide it is [1].
+_EVEN, _FLAT = 0.5, 0.25
+
+
+def with_an_edge(
+    standing: Standing, rounds: list[Round], before: Standing, most: float, pace: Pace
+) -> tuple[Standing, list[Round]]:
+    """The last effect over a patch that ends at an edge, if that explains more by `most` [1].
+
+    A support or a fan's outline is no bell. It is tried where a bell leaves more than noise in
+    smooth shapes: a patch as wide along each axis, on the side of the body that the bell lay at.
+    A bell reaches through a thin wall to its other side, and such a patch does not.
+
+    Arguments: `before`: where the search stood without the effect; `most`: in squares.
+    """
+    name, part = standing.active[-1]
+    kind = next(n for n, one in enumerate(standing.point.candidates) if one.card.name == name)
+    bell = standing.point.candidates[kind]
+    if with_edge(bell) is bell or standing.chance() > BY_SHAPES:
+        return standing, rounds
+    pace.step(f"trying {name} over a patch that ends at an edge")
+    every = list(standing.point.candidates)
+    every[kind] = on_one_side(bell, part, standing.bench.ready.mesh)
+    there = replace(standing, point=replace(standing.point, candidates=tuple(every)))
+    there = fitted(there, times=1)
+    spread = standing.misfit() if lost(there) else min(standing.misfit(), there.misfit())
+    gained = standing.ended.criterion(spread) - there.ended.criterion(spread)
+    if lost(there) or not gained > most:
+        return standing, rounds
+    effect = effect_of(there, there.active[-1], there.misfit())
+    closed = share_closed(before, there)
+    last = replace(rounds[-1], effect=effect, rms_after=rms(there), closed=closed)
+    return there, [*rounds[:-1], last]
+
+
+def on_one_side(bell: Candidate, part: int, mesh: Mesh) -> Candidate:
+    """A candidate with an edge, the part at work thin across the nearest face of a mesh [m]."""
+    even = with_edge(bell)
+    assert isinstance(even.place, Inclusion), "asked of bells alone"
+    centres = mesh.nodes[mesh.faces[:, :3]].mean(1)
+    near = int(np.argmin(np.sum((centres - np.asarray(even.place.centre[part])) ** 2, axis=1)))
+    across = np.abs(mesh.normals[near])
+    thin = jnp.asarray(1 - (1 - _FLAT) * across)
+    size = even.place.size.at[part].multiply(thin)
+    strength = even.strength.at[part].multiply(_EVEN)
+    return replace(even, strength=strength, place=replace(even.place, size=size))

@@ -1,0 +1,122 @@
+"""Patches that end at an edge, in place of bells."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from lit_box import MESH
+from standings import standing
+from verdicts import one_round
+
+from thermo.discover import Inclusion, Place, _edged
+from thermo.discover._bench import Bench
+from thermo.discover._candidate import with_edge
+from thermo.discover._edged import on_one_side, with_an_edge
+from thermo.discover._extended import Extended
+from thermo.discover._pace import silent
+from thermo.discover._standing import Standing
+from thermo.discover.candidates import HiddenSource, LocalConvection, SensorLag
+from thermo.inverse import Ready
+
+LOWER = MESH.nodes.min(0)[2]
+CENTRES = jnp.asarray([[0.006, 0.006, float(LOWER)], [0.012, 0.004, 0.004]])
+BELL = LocalConvection(jnp.asarray([40.0, 0.0]), Place(CENTRES, jnp.asarray([0.003, 0.002])))
+
+
+def test_an_even_patch_takes_as_much_as_the_bell_and_is_as_wide() -> None:
+    even = with_edge(BELL).place
+    assert isinstance(even, Inclusion) and isinstance(BELL.place, Place)
+    across = np.linspace(-0.02, 0.02, 801)
+    plane = np.stack([*np.meshgrid(across, across, indexing="ij"), 0 * np.ones((801, 801))], -1)
+    at = jnp.asarray(plane) + CENTRES[0]
+    bell, patch = np.asarray(BELL.place.shapes(at)[0]), np.asarray(even.shapes(at)[0])
+    # It begins between a disc and a square.
+    assert 0.5 * patch.sum() == pytest.approx(bell.sum(), rel=0.25)
+    wide = [np.sqrt((one * plane[..., 0] ** 2).sum() / one.sum()) for one in (bell, patch)]
+    assert wide[1] == pytest.approx(wide[0], rel=0.15)
+    lag = SensorLag(jnp.ones(1))
+    assert with_edge(lag) is lag and with_edge(with_edge(BELL)).place is not None
+
+
+def test_a_patch_begins_on_one_side_of_the_body() -> None:
+    found = on_one_side(BELL, 0, MESH)
+    place = found.place
+    assert isinstance(place, Inclusion)
+    np.testing.assert_allclose(found.strength, [20.0, 0.0])
+    np.testing.assert_allclose(place.size, [[0.006, 0.006, 0.0015], [0.004, 0.004, 0.004]])
+    top = jnp.asarray([0.006, 0.006, float(MESH.nodes.max(0)[2])])
+    assert float(place.shapes(top)[0]) < 1e-6 < float(BELL.place.shapes(top)[0])
+
+
+def tried(
+    monkeypatch: pytest.MonkeyPatch,
+    left: float,
+    *,
+    bell: Any = BELL,
+    smooth: float = 20.0,
+    burst: bool = False,
+) -> tuple[Standing, Standing, list[str]]:
+    """Where a search stands with a bell, and after an even patch that leaves so much was tried."""
+    name, told = bell.card.name, []
+    here = standing(60.0, 5, smooth, ((name, 0),))
+    ready = object.__new__(Ready)
+    object.__setattr__(ready, "mesh", MESH)
+    bench = object.__new__(Bench)
+    object.__setattr__(bench, "ready", ready)
+    object.__setattr__(here, "bench", bench)
+    object.__setattr__(here, "point", Extended({}, (SensorLag(jnp.zeros(1)), bell)))
+
+    def fitted(there: Standing, *, times: int) -> Standing:
+        told.append(type(there.point.candidates[1].place).__name__)
+        assert times == 1
+        made = standing(left, 9, 1.0, there.active)
+        object.__setattr__(made, "point", there.point)
+        if burst:
+            made.ended.residual[:] = np.inf
+        return made
+
+    monkeypatch.setattr(_edged, "fitted", fitted)
+    monkeypatch.setattr(
+        _edged, "effect_of", lambda one, *_: replace(one_round([], 0.9).effect, strength=7.0)
+    )
+    monkeypatch.setattr(_edged, "rms", lambda one: {"lamp": 0.01})
+    rounds = [one_round(["first"], 0.6), one_round([name], 0.6)]
+    after, made = with_an_edge(here, rounds, standing(90.0, 2, 60.0), 9.0, silent())
+    assert made[0] is rounds[0] and (after is here) == (made[1] is rounds[1])
+    if after is not here:
+        assert made[1].effect.strength == 7.0 and made[1].rms_after == {"lamp": 0.01}
+        assert made[1].closed > 0.9 and made[1].together == [name]
+    return here, after, told
+
+
+def test_it_is_taken_where_it_explains_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    here, after, told = tried(monkeypatch, 20.0)
+    assert told == ["Inclusion"] and after is not here
+    assert isinstance(after.point.candidates[1].place, Inclusion)
+
+
+@pytest.mark.parametrize(
+    ("left", "more"),
+    [
+        (58.0, {}),  # four more entries, for nothing
+        (20.0, {"burst": True}),
+    ],
+)
+def test_it_is_left_where_it_does_not(
+    monkeypatch: pytest.MonkeyPatch, left: float, more: dict[str, bool]
+) -> None:
+    here, after, told = tried(monkeypatch, left, **more)
+    assert told == ["Inclusion"] and after is here
+
+
+def test_it_is_not_tried_where_a_bell_will_do_or_nothing_else_can_be(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    source = HiddenSource(jnp.ones(1), Place(CENTRES[:1], jnp.ones(1)))
+    for more in ({"smooth": 1.0}, {"bell": with_edge(BELL)}, {"bell": source}):
+        here, after, told = tried(monkeypatch, 20.0, **more)
+        assert after is here and told == []
