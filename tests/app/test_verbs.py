@@ -175,12 +175,19 @@ def test_what_a_search_left_unexplained_is_told_to_whoever_predicts_from_it(
 ) -> None:
     record = {
         "verdict": verdict, "p_value": {"with": chance}, "noise": {"lamp": 0.05},
-        "rounds": [{"rms_after": {"lamp": 0.21}}],
+        "rounds": [
+            {"rms_before": {"lamp": 1.7}, "rms_after": {"lamp": 0.4}, "best": "local_convection"},
+            {"rms_before": {"lamp": 0.4}, "rms_after": {"lamp": 0.21}, "best": "void"},
+        ],
     }  # fmt: skip
     (tmp_path / "verdict.json").write_text(json.dumps(record))
     words = left_by_search(tmp_path)
     assert len(words) == told
-    assert all("lamp 0.21 K at a noise of 0.05 K" in one for one in words)
+    # What came closest is at work in no prediction, and leaves nothing of it.
+    unnamed = verdict == "none_of_mine"
+    left = "1.7" if unnamed else "0.21"
+    assert all(f"lamp {left} K at a noise of 0.05 K" in one for one in words)
+    assert all(("closest, local convection, void." in one) is unnamed for one in words)
     # A search that put nothing to work has no rounds, and not every estimate is of a search.
     (tmp_path / "verdict.json").write_text(json.dumps(record | {"rounds": []}))
     assert len(left_by_search(tmp_path)) == told

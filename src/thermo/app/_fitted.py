@@ -81,15 +81,23 @@ def left_by_search(folder: Path) -> tuple[str, ...]:
     """
     try:
         record = json.loads((folder / "verdict.json").read_text("utf-8"))
-        if record["verdict"] != "none_of_mine" and record["p_value"]["with"] > _LEVEL:
+        unnamed = record["verdict"] == "none_of_mine"
+        if not unnamed and record["p_value"]["with"] > _LEVEL:
             return ()
-        after = record["rounds"][-1]["rms_after"] if record["rounds"] else {}
-        sizes = [f"{name} {after[name]:.3g} K at a noise of {noise:.3g} K"
-                 for name, noise in record["noise"].items() if name in after]  # fmt: skip
+        rounds, closest = record["rounds"], ""
+        left = rounds[-1]["rms_after"] if rounds else {}
+        if unnamed and rounds:
+            # What was not named is at work in no prediction.
+            left = rounds[0]["rms_before"]
+            names = ", ".join(one["best"].replace("_", " ") for one in rounds)
+            closest = f" It predicts as stated, without what came closest, {names}."
+        sizes = [f"{name} {left[name]:.3g} K at a noise of {noise:.3g} K"
+                 for name, noise in record["noise"].items() if name in left]  # fmt: skip
     except (OSError, ValueError, KeyError, TypeError):
         return ()
     told = f" ({', '.join(sizes)})" if sizes else ""
-    return (f"The search that this rests on left more than noise, which it cannot explain{told}.",)
+    words = f"The search that this rests on left more than noise, which it cannot explain{told}."
+    return (words + closest,)
 
 
 def _odd(record: dict[str, Any]) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ from jaxtyping import Float
 from trimesh.intersections import slice_faces_plane
 
 from thermo.errors import InputError
+from thermo.inverse._span_of_samples import check_span
 from thermo.mesh import Surface
 from thermo.observe import Box, Heater, Run, Scene
 
@@ -20,7 +21,7 @@ SLACK: Final = 1e-6
 
 
 def check_places(scene: Scene, surface: Surface) -> None:
-    """Refuse boxes that hold no part of the surface and lamps that pass far from it.
+    """Refuse boxes that hold no part of the surface, lamps that pass far from it, other samples.
 
     All runs are looked at, whichever are asked for, and before anything is meshed.
 
@@ -40,6 +41,7 @@ def check_places(scene: Scene, surface: Surface) -> None:
                 raise misses(what, f"{where}.{key}", box, surface.vertices)
         if run.heater is not None:
             _check_lamp(run.heater, surface, f"{where}.heater")
+        check_span(run.recording, surface, f"{where}.recording")
 
 
 def _boxes(run: Run) -> list[tuple[str, Box]]:
