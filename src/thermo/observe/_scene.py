@@ -143,7 +143,8 @@ class Run:
         surroundings.
     - `air`: what air there is over parts of the surface, where its convection is known and is not
         that of the rest. Where boxes overlap the later one counts; an insulated face has no air.
-    - `noise`: of its readings [K], where that is known otherwise than from the recording.
+    - `noise`: of its readings [K], where that is known otherwise than from the recording; a scene
+      that is written does not keep it.
     - `where`: what messages call this run.
 
     Raises `InputError` for temperatures that cannot be kelvin, an unusable name, a lamp that
