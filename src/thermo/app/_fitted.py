@@ -90,7 +90,9 @@ def left_by_search(folder: Path) -> tuple[str, ...]:
             # What was not named is at work in no prediction.
             left = rounds[0]["rms_before"]
             names = ", ".join(one["best"].replace("_", " ") for one in rounds)
-            closest = f" It predicts as stated, without what came closest, {names}."
+            closest = (
+                f" This predicts what is stated, as fitted, without what came closest, {names}."
+            )
         sizes = [f"{name} {left[name]:.3g} K at a noise of {noise:.3g} K"
                  for name, noise in record["noise"].items() if name in left]  # fmt: skip
     except (OSError, ValueError, KeyError, TypeError):

@@ -114,13 +114,13 @@ def discover(
     _check_names(every)
     memory = memory_of(checkpoint, every)
     bench, pace = replace(bench, memory=memory), Pace(say, memory.spared)
-    begun, left, noise = _begin(bench, every, pace)
+    begun, left, learnt = _begin(bench, every, pace)
     cells = rough(_sizes(begun, left), _noise(begun))
     path = search(begun, tuple(one for one in every if one.card.law), pace, rough=bool(cells))
     path, proof = told_apart(path, pace)
     if path.word != "no_gap":
-        noise = noise + taken_as_exact(begun.bench.task.runs)
-    told = noise + left_out(every, setting) + blind_to(path.table)
+        learnt = learnt + taken_as_exact(begun.bench.task.runs)
+    told = learnt + left_out(every, setting) + blind_to(path.table)
     path = replace(path, remarks=path.remarks + cells + told)
     return _answer(path, proof, left, time.monotonic() - started)
 

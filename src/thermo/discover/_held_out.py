@@ -38,9 +38,10 @@ def held_out(bench: Bench, stated: Extended, extended: Extended) -> Mapping[str,
     ready = replace(lay_out(task, bench.ready.mesh, bench.ready.stated), fields=bench.ready.fields)
     like = coarse_tangents(task, ready)
     there = replace(bench, task=task, ready=ready, coarse=like)
-    before, after = at_once(lambda point: _read(there, point), (stated, extended))
-    if before is None:
-        before = finer_runs(there, stated)
+    before, after = at_once(
+        lambda read: read(), (lambda: finer_runs(there, stated), lambda: _read(there, extended))
+    )
+    assert before is not None, "raised otherwise"
     both = before, before if after is None else after
     found, order = {}, iter(like.sequence)
     for number, case in enumerate(like.cases):

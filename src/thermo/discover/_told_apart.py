@@ -56,7 +56,7 @@ def told_apart(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
     against all, or all are refuted, on smaller cells as well, nothing is named.
     """
     path, proof = _judged(path, pace)
-    off = [name for name, one in proof.items() if not np.isfinite(one.rms_after)]
+    off = [name for name, one in proof.items() if _impossible(one)]
     if not off:
         return path, proof
     stated = {name: replace(proof[name], rms_after=proof[name].rms_before) for name in off}
@@ -75,7 +75,7 @@ def _judged(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
         if path.word == "none_of_mine":
             return path, proof
         proof = held_out(path.standing.bench, path.begun.point, path.standing.point)
-    if not any(map(refuted, proof.values())) or _impossible(proof):
+    if not any(map(refuted, proof.values())) or any(map(_impossible, proof.values())):
         return path, proof
     remarks, large = list(path.remarks), proof
     benches = half_and_third(path.standing.bench, path.begun.bench)
@@ -83,7 +83,7 @@ def _judged(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
         pace.step("predicting held-out runs on cells of two sizes")
         points = path.begun.point, path.standing.point
         large, proof = (held_out(bench, *points) for bench in benches)
-        if _impossible(proof):
+        if any(map(_impossible, proof.values())):
             return path, proof
     against = [name for name, one in proof.items() if refuted(less_cells(large[name], one))]
     remarks += [_cells(name, large[name], one) for name, one in proof.items()
@@ -94,9 +94,9 @@ def _judged(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
     return replace(path, word="none_of_mine", remarks=remarks), proof
 
 
-def _impossible(proof: Proof) -> bool:
-    """Whether there can be no such temperatures as are predicted."""
-    return not all(np.isfinite(one.rms_after) for one in proof.values())
+def _impossible(one: HeldOut) -> bool:
+    """Whether there can be no such temperatures as are predicted of a run."""
+    return not np.isfinite(one.rms_after)
 
 
 def wrong_at_rest(begun: Standing, standing: Standing) -> str:
@@ -291,5 +291,4 @@ def _excluded(best: str, proof: Proof, out: Mapping[str, Proof]) -> str:
 
 
 def _left(one: HeldOut) -> str:
-    possible = np.isfinite(one.rms_after)
-    return f"{one.rms_after:.3g} K" if possible else "temperatures that there cannot be"
+    return "temperatures that there cannot be" if _impossible(one) else f"{one.rms_after:.3g} K"

@@ -1,4 +1,4 @@
-"""Whether the boxes and lamps that a scene states have to do with its surface at all."""
+"""Whether the boxes, lamps and samples of a scene have to do with its surface at all."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SLACK: Final = 1e-6
 
 
 def check_places(scene: Scene, surface: Surface) -> None:
-    """Refuse boxes that hold no part of the surface, lamps that pass far from it, other samples.
+    """Refuse boxes that hold no part of the surface, lamps far from it, a smaller body's samples.
 
     All runs are looked at, whichever are asked for, and before anything is meshed.
 
