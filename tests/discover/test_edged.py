@@ -48,6 +48,9 @@ def test_a_patch_begins_on_one_side_of_the_body() -> None:
     assert isinstance(place, Inclusion)
     np.testing.assert_allclose(found.strength, [20.0, 0.0])
     np.testing.assert_allclose(place.size, [[0.006, 0.006, 0.0015], [0.004, 0.004, 0.004]])
+    second = place.only(1)
+    np.testing.assert_array_equal(second.size, place.size[1:])
+    np.testing.assert_array_equal(second.shapes(CENTRES), place.shapes(CENTRES)[1:])
     top = jnp.asarray([0.006, 0.006, float(MESH.nodes.max(0)[2])])
     assert float(place.shapes(top)[0]) < 1e-6 < float(BELL.place.shapes(top)[0])
 

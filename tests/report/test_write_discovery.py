@@ -6,10 +6,12 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from verdicts import held, verdict
 
+from thermo.discover import Inclusion
 from thermo.discover.candidates import AmbientDrift, LatentHeat, LocalConvection, SupportContact
 from thermo.report import discovery_record, discovery_table, write_discovery
 
@@ -55,6 +57,14 @@ def test_the_contract_of_a_round() -> None:
     assert one["named"] == one["set"] == ["hidden_source"] and one["unit"] == "W"
     assert one["location"] == {"centre": [0.01, 0.0, 0.004], "size": 0.005}
     assert one["conductance"] is one["conductance_interval95"] is None
+    found = verdict("named")
+    (alone,) = found.rounds
+    centre, widths = jnp.array([[0.01, 0.0, 0.004]]), jnp.array([[5e-3, 3e-3, 1e-3]])
+    outline = Inclusion(centre, widths, jnp.full(1, 3.5), jnp.full(1, 9.0))
+    ended = replace(alone, effect=replace(alone.effect, outline=outline))
+    (edged,) = discovery_record(replace(found, rounds=[ended]))["rounds"]
+    shape = {"half_widths": [5e-3, 3e-3, 1e-3], "squareness": 3.5, "sharpness": 9.0}
+    assert edged["location"] == {**one["location"], **shape}
     assert one["rms_before"]["lamp"] == 0.5 and one["rms_after"]["lamp"] == 0.05
     (other,) = discovery_record(verdict("inseparable"))["rounds"]
     assert other["named"] == [] and other["set"] == ["hidden_source", "sensor_lag"]

@@ -110,6 +110,10 @@ class Inclusion(eqx.Module):
         places = zip(self.centre, self.size, self.squareness, strict=True)
         return jnp.stack([unit(_outward((at - c) / s, square) / s) for c, s, square in places])
 
+    def only(self, part: int) -> Inclusion:
+        """One of the places [m]."""
+        return jax.tree.map(lambda each: each[part : part + 1], self)
+
     def edge(self, part: int) -> Float[np.ndarray, "points 3"]:
         """Points [m] at r = 1 about one of the places, spread over all directions."""
         turns = np.arange(_DIRECTIONS) + 0.5

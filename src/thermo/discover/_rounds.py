@@ -9,7 +9,7 @@ import numpy as np
 from jax.flatten_util import ravel_pytree
 from scipy.stats import chi2
 
-from thermo.discover._candidate import Candidate, Transition
+from thermo.discover._candidate import Candidate, Inclusion, Transition
 from thermo.discover._conductance import conductance_of, strength_between
 from thermo.discover._descent import Ended
 from thermo.discover._entries import Active, Entry, entry_of
@@ -156,7 +156,7 @@ def effect_of(
     return Effect(
         entry.card, value, sd, between or _within(value, sd, low, high), centre, size, at,
         None if whole is None else whole[0], taken, joint, _side(entry), _depth(candidate, entry),
-        chance=chance,
+        _outline(candidate, entry), chance=chance,
     )  # fmt: skip
 
 
@@ -198,6 +198,12 @@ def _depth(candidate: Candidate, entry: Entry) -> float | None:
     if place is None or place.centre is not None:
         return None
     return float(place.size[entry.part])
+
+
+def _outline(candidate: Candidate, entry: Entry) -> Inclusion | None:
+    """The part's own place [m], where it ends at an edge."""
+    place = candidate.place
+    return place.only(entry.part) if isinstance(place, Inclusion) else None
 
 
 def _place(standing: Standing, entry: Entry) -> tuple[np.ndarray | None, float | None]:

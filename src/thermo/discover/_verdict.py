@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from thermo.discover._calibration import Calibration
-from thermo.discover._candidate import Candidate, Card
+from thermo.discover._candidate import Candidate, Card, Inclusion
 from thermo.discover._misfit import Misfit
 from thermo.discover._power import Power
 from thermo.discover._trace import Trace
@@ -31,6 +31,7 @@ class Effect:
     - `strengths`: of a joint effect, as a history, all in their order; `strength` is the last.
     - `side`: as "+x", of what is at a side of the body; `depth`: from its end, or from the skin, to
       which an effect without a centre reaches [m].
+    - `outline`: one place [m], where the effect ends at an edge; else None.
     """
 
     card: Card
@@ -45,6 +46,7 @@ class Effect:
     strengths: tuple[float, ...] = ()
     side: str | None = None
     depth: float | None = None
+    outline: Inclusion | None = None
     chance: float = field(kw_only=True)
 
 

@@ -168,9 +168,7 @@ def _round(one: Round, explains: bool) -> dict[str, Any]:
         "interval95": list(effect.interval95),
         "strengths": list(effect.strengths) or None,
         "unit": effect.card.unit,
-        "location": None
-        if effect.centre is None
-        else {"centre": effect.centre.tolist(), "size": effect.size},
+        "location": _location(effect),
         "transition": None
         if effect.transition is None
         else dict(zip(("temperature", "width"), effect.transition, strict=True)),
@@ -185,6 +183,18 @@ def _round(one: Round, explains: bool) -> dict[str, Any]:
         "threshold": one.threshold,
         "candidates": [_candidacy(item) for item in one.candidates],
     }
+
+
+def _location(effect: Effect) -> dict[str, Any] | None:
+    """Where an effect is [m], with all that its place is built from."""
+    if effect.centre is None:
+        return None
+    found: dict[str, Any] = {"centre": effect.centre.tolist(), "size": effect.size}
+    if effect.outline is not None:
+        found["half_widths"] = effect.outline.size[0].tolist()
+        found["squareness"] = float(effect.outline.squareness[0])
+        found["sharpness"] = float(effect.outline.sharpness[0])
+    return found
 
 
 def _candidacy(one: Candidacy) -> dict[str, Any]:
