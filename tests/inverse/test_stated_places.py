@@ -134,6 +134,27 @@ def test_a_wide_lamp_whose_axis_passes_far_away_is_refused(scene: Scene, surface
         assert f"{far * size:.3g} m" in caught.value.value and "metres" in caught.value.remedy
 
 
+@pytest.mark.parametrize(
+    ("beside", "radius", "fine"), [(4.9, 1e-3, True), (5.1, 1e-3, False), (-20.0, 1e-5, True)]
+)
+def test_a_spot_beside_the_object_is_refused(
+    scene: Scene, surface: Surface, beside: float, radius: float, fine: bool
+) -> None:
+    # Scaled to its power, the tail of its bell would light the edge with all of it. One within the
+    # object may lie between the corners of large triangles.
+    run, down = scene.runs["lamp"], np.array([0.0, 0.0, -1.0])
+    low, high = surface.vertices.min(0), surface.vertices.max(0)
+    centre = np.array([high[0] + beside * radius, 0.4 * low[1] + 0.6 * high[1], high[2] + 0.1])
+    stated = with_run(scene, heater=lamp(run, centre=centre, direction=down, radius=radius))
+    if fine:
+        check_places(stated, surface)
+        return
+    with pytest.raises(InputError, match="spot lies beside the object") as caught:
+        check_places(stated, surface)
+    assert caught.value.where.endswith("runs.lamp.heater.centre")
+    assert "passes 0.0051 m beside" in caught.value.value and "0.005 m" in caught.value.limit
+
+
 def test_a_scene_without_a_file_is_told_by_its_run_alone(
     scene: Scene, surface: Surface, tmp_path: Path
 ) -> None:

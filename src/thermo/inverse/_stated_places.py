@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 from jaxtyping import Float
 from trimesh.intersections import slice_faces_plane
+from trimesh.triangles import closest_point
 
 from thermo.errors import InputError
 from thermo.inverse._span_of_samples import check_span
@@ -15,6 +16,10 @@ from thermo.observe import Box, Heater, Run, Scene
 
 # An axis that passes farther away, in diagonals of the object [1], was not meant.
 _PASSES: Final = 10.0
+
+# Of its radii [1], beside which a spot has no light to speak of: 4e-6 of that in its middle. All of
+# the lamp's power would go where the object comes nearest.
+_BESIDE: Final = 5.0
 
 # What lies on a box's sides counts as inside despite rounding, in diagonals of the object [1].
 SLACK: Final = 1e-6
@@ -96,6 +101,16 @@ def _check_lamp(heater: Heater, surface: Surface, where: str) -> None:
             remedy="give centre and radius in metres; for even light, let a wide spot's axis pass "
             "through the object",
         )
+    beside = _beside(heater, surface)
+    if beside > _BESIDE * heater.radius:
+        raise InputError(
+            "the lamp's spot lies beside the object",
+            where=f"{where}.centre",
+            value=f"{heater.centre.tolist()} m, an axis that passes {beside:.3g} m beside what is "
+            "turned to the light",
+            limit=f"{_BESIDE:g} times its radius, {_BESIDE * heater.radius:.3g} m",
+            remedy="check centre, direction and radius, in metres and in the surface's axes",
+        )
     before = float(np.max((surface.vertices - heater.centre) @ heater.direction))
     if before < -SLACK * size:
         raise InputError(
@@ -106,3 +121,14 @@ def _check_lamp(heater: Heater, surface: Surface, where: str) -> None:
             limit="an object that does not lie wholly behind the lamp's centre",
             remedy="give the way the light goes, from the lamp to the object",
         )
+
+
+def _beside(heater: Heater, surface: Surface) -> float:
+    """How far the axis passes beside all that is turned to the light, zero where it is met [m]."""
+    corners = surface.vertices[surface.triangles] - heater.centre
+    outward = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lit = corners[outward @ heater.direction < 0]
+    # Seen along the light.
+    seen = lit - (lit @ heater.direction)[..., None] * heater.direction
+    nearest = closest_point(seen, np.zeros((len(seen), 3)))
+    return float(np.linalg.norm(nearest, axis=1).min(initial=np.inf))
