@@ -76,7 +76,7 @@ def small_cells(
     if place is None:
         object.__setattr__(now, "point", Extended({}, (CameraDrift(jnp.zeros(1)),)))
         object.__setattr__(now, "active", (("camera_drift", 0),))
-    sizes = iter([{"lamp": 0.2}, {"lamp": after}])
+    sizes = iter([{"lamp": 0.2, "dark": 0.05}, {"lamp": after, "dark": 0.05}])
     fakes: dict[str, Any] = {
         "resolved": resolved,
         "edge_of": lambda bench: edge,
@@ -93,7 +93,7 @@ def small_cells(
     if fault is not None or burst is not None:
         assert rounds[0].closed == 0.7, "what was found stays"
     elif remarks:
-        assert rounds[0].rms_after == {"lamp": 0.05}
+        assert rounds[0].rms_after == {"lamp": 0.05, "dark": 0.05}
         # Of 599 beyond noise in one smooth shape that is left.
         assert rounds[0].closed == pytest.approx((600 - smooth) / 599)
     return remarks
@@ -103,7 +103,7 @@ def test_cells_are_made_smaller_once_about_a_place_that_leaves_a_misfit(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     (told,) = small_cells(monkeypatch, 40.0, PLACE)
-    assert "beside hidden_source: lamp 0.2 to 0.05 K" in told
+    assert "beside hidden_source: lamp 0.2 to 0.05 K." in told, "of what changes alone"
     assert small_cells(monkeypatch, 40.0, PLACE, again=True) == []
     assert small_cells(monkeypatch, 1.0, PLACE) == [], "nothing is left"
     assert len(small_cells(monkeypatch, 1.0, PLACE, edge=1.1)) == 1, "cells are too large for it"

@@ -53,8 +53,9 @@ def on_small_cells(
         remarks.append(_BURST.format(name))
         return standing, rounds
     small, closed = rms(smaller), share_closed(before, smaller)
-    told = ", ".join(f"{run} {one:.3g} to {small[run]:.3g} K" for run, one in large.items())
-    if any(f"{one:.3g}" != f"{small[run]:.3g}" for run, one in large.items()):
+    ends = {run: (f"{one:.3g}", f"{small[run]:.3g}") for run, one in large.items()}
+    told = ", ".join(f"{run} {one} to {two} K" for run, (one, two) in ends.items() if one != two)
+    if told:
         remarks.append(f"Smaller cells change what is left beside {name}: {told}.")
     return smaller, [*rounds[:-1], replace(rounds[-1], rms_after=small, closed=closed)]
 
