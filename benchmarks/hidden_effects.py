@@ -3,6 +3,7 @@
     python benchmarks/hidden_effects.py [--out FOLDER] [--clean 200] [--draws 10] [--share 0/2]
     python benchmarks/hidden_effects.py --others --clean 12 --draws 2 [--out FOLDER]
     python benchmarks/hidden_effects.py --alike --draws 4 [--out FOLDER]
+    python benchmarks/hidden_effects.py --forms --draws 5 [--out FOLDER]
     python benchmarks/hidden_effects.py --surfaces GEOMETRY --clean 8 --draws 2 [--out FOLDER]
 
 Five bodies, three kinds of noise; recordings by scikit-fem in quadratic functions on structured
@@ -15,6 +16,7 @@ A case whose result lies in FOLDER is not made again, so that the suite can be i
 body share compiled programs. `--table` adds what FOLDER holds to the tables in benchmarks/results.
 `--others` takes two other bodies of two other materials: nothing of the search was settled on them.
 `--alike` hides two effects at once of which neither is more than 1.2 times as visible as the other.
+`--forms` hides effects of the library at places that have not the form that it looks for.
 `--surfaces` takes bodies from files: bracket, pinion, spot and rocker_arm in the folder GEOMETRY.
 `--check` prints how exact the recordings are: what the last cut of cells and steps changed.
 """
@@ -40,6 +42,7 @@ from hidden._scenes import (
     alike,
     cases,
     exactness,
+    forms,
     make,
     the_body,
 )
@@ -64,6 +67,7 @@ def main() -> None:
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--others", action="store_true")
     parser.add_argument("--alike", action="store_true")
+    parser.add_argument("--forms", action="store_true")
     parser.add_argument("--surfaces", type=Path)
     asked = parser.parse_args()
     bodies, table = (OTHERS, "_others") if asked.others else (SHAPES, "")
@@ -78,6 +82,8 @@ def main() -> None:
     suite = cases(asked.clean, asked.draws, bodies)
     if asked.alike:
         suite, table = alike(asked.draws, bodies), f"{table}_alike"
+    if asked.forms:
+        suite, table = forms(asked.draws, bodies), f"{table}_forms"
     if asked.table:
         rows = [one for case in suite if (one := result(asked.out, case))]
         write_tables(rows, f"hidden_effects{table}")
@@ -268,7 +274,7 @@ def write_tables(rows: list[dict[str, Any]], name: str) -> None:
 def in_words(lines: list[dict[str, str]]) -> str:
     """How good strengths, places and held-out runs are where effects of the library were named."""
     named = [one for one in lines if one["answer"] in ("right", "set") and one["sets"]]
-    single = [one for one in named if one["case"].startswith("within")]
+    single = [one for one in named if one["case"].startswith(("within", "form"))]
     strengths = [[float(one[key]) for key in ("true strength", "strength", "low", "high")]
                  for one in single]  # fmt: skip
     held = [low <= true <= high for true, _, low, high in strengths]

@@ -44,8 +44,8 @@ class Hidden:
         return self.read is as_is
 
 
-def _ball(centre: np.ndarray, size: float) -> Callable[[np.ndarray], np.ndarray]:
-    return lambda at: np.exp(-((at - centre) ** 2).sum(1) / (2 * size**2))
+def _ball(centre: np.ndarray, size: float | np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    return lambda at: np.exp(-(((at - centre) / size) ** 2).sum(1) / 2)
 
 
 def _box(centre: np.ndarray, size: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
@@ -129,13 +129,7 @@ def _area_below(body: Body, axis: int, level: float) -> float:
 def hidden_source(random: np.random.Generator, body: Body) -> Hidden:
     """Something warm inside."""
     where, size = _within(random, body), random.uniform(0.08, 0.15) * _longest(body)
-    power = _uniform(random, 0.1, 3.0)
-    shape = _ball(where, size)
-    whole = shape(body.at) @ body.weight
-    return Hidden(
-        "hidden_source", power, tuple(where),
-        physics=lambda one: replace(one, source=lambda at: power * shape(at) / whole),
-    )  # fmt: skip
+    return _source(random, body, where, _ball(where, size))
 
 
 def void(random: np.random.Generator, body: Body) -> Hidden:
@@ -273,6 +267,55 @@ def in_depth_absorption(random: np.random.Generator, body: Body) -> Hidden:
     )
 
 
+def draught_in_a_box(random: np.random.Generator, body: Body) -> Hidden:
+    """A draught on a patch that is even, with an edge, and not as wide one way as the other."""
+    where = _on_skin(random, body)
+    size = random.uniform([0.1] * 3, [0.25] * 3) * np.ptp(body.skin_at, axis=0)
+    strength, shape = _uniform(random, 15, 150), _box(where, size)
+    return Hidden(
+        "local_convection", strength, tuple(where),
+        physics=lambda one: replace(one, extra_convection=lambda at: strength * shape(at)),
+    )  # fmt: skip
+
+
+def source_in_a_box(random: np.random.Generator, body: Body) -> Hidden:
+    """Something warm inside that is even and has an edge."""
+    where = _within(random, body)
+    size = random.uniform([0.08] * 3, [0.2] * 3) * np.ptp(body.skin_at, axis=0)
+    return _source(random, body, where, _box(where, size))
+
+
+def source_along_a_rod(random: np.random.Generator, body: Body) -> Hidden:
+    """A wire: something warm inside that is long one way and thin the others."""
+    where, size = _within(random, body), np.full(3, random.uniform(0.04, 0.06) * _longest(body))
+    size[int(np.argmax(np.ptp(body.skin_at, axis=0)))] *= random.uniform(3, 5)
+    return _source(random, body, where, _ball(where, size))
+
+
+def _source(
+    random: np.random.Generator,
+    body: Body,
+    where: np.ndarray,
+    shape: Callable[[np.ndarray], np.ndarray],
+) -> Hidden:
+    power, whole = _uniform(random, 0.1, 3.0), shape(body.at) @ body.weight
+    return Hidden(
+        "hidden_source", power, tuple(where),
+        physics=lambda one: replace(one, source=lambda at: power * shape(at) / whole),
+    )  # fmt: skip
+
+
+def round_void(random: np.random.Generator, body: Body) -> Hidden:
+    """A place that conducts poorly, an ellipsoid that fades towards its edge."""
+    where = 0.7 * _within(random, body)
+    size = random.uniform([0.08] * 3, [0.13] * 3) * np.ptp(body.skin_at, axis=0)
+    strength, shape = random.uniform(0.6, 0.97), _ball(where, size)
+    return Hidden(
+        "void", strength, tuple(where),
+        physics=lambda one: replace(one, factor=lambda at: 1 - strength * shape(at)),
+    )  # fmt: skip
+
+
 def capacity_patch(random: np.random.Generator, body: Body) -> Hidden:
     """A place that holds more heat, or less."""
     where, size = 0.7 * _within(random, body), random.uniform(0.15, 0.25) * _longest(body)
@@ -367,6 +410,9 @@ OUTSIDE = (
     drifting_camera,
 )  # fmt: skip
 """Effects that it lacks."""
+
+FORMS = (draught_in_a_box, source_in_a_box, source_along_a_rod, round_void)
+"""Effects that the library has, at places of another form than it takes them to have."""
 
 PAIRS = (
     (hidden_source, sensor_lag), (local_convection, anisotropic_conductivity),

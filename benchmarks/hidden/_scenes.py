@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
 
 from hidden._bodies import Body, body
-from hidden._effects import OUTSIDE, PAIRS, WITHIN, Hidden, in_depth_absorption
+from hidden._effects import FORMS, OUTSIDE, PAIRS, WITHIN, Hidden, in_depth_absorption
 from hidden._heat import COLD, Lamp, Physics, simulate
 
 SAMPLES, END, FRAME, TICK = 160, 60.0, 0.5, 0.1
@@ -72,6 +72,9 @@ ALIKE = 1.2
 Readings = dict[str, np.ndarray]
 
 
+Makers = tuple[Callable[[np.random.Generator, Body], Hidden], ...]
+
+
 class NothingDrawnError(Exception):
     """A case that cannot be made: what may be hidden there is hardly seen, or never alike."""
 
@@ -90,7 +93,7 @@ class Case:
     material: str
     noise: str
     seed: int
-    makers: tuple[Callable[[np.random.Generator, Body], Hidden], ...] = ()
+    makers: Makers = ()
 
     def name(self) -> str:
         """Of its folder."""
@@ -102,10 +105,25 @@ def cases(
     clean: int, draws: int, bodies: Mapping[str, tuple[str, str]] = MappingProxyType(SHAPES)
 ) -> list[Case]:
     """The suite, body by body: those of one body share meshes and compiled programs."""
+    groups: list[tuple[str, int, Sequence[Makers]]] = [
+        ("clean", clean, ((),)),
+        ("within", draws, tuple((one,) for one in WITHIN)),
+    ]
+    groups += [("outside", draws, tuple((one,) for one in OUTSIDE)), ("pair", draws // 2, PAIRS)]
+    return _spread(groups, bodies)
+
+
+def forms(draws: int, bodies: Mapping[str, tuple[str, str]]) -> list[Case]:
+    """Effects of the library at places that are no bells and no boxes where it has these."""
+    return _spread([("form", draws, tuple((one,) for one in FORMS))], bodies)
+
+
+def _spread(
+    groups: Sequence[tuple[str, int, Sequence[Makers]]], bodies: Mapping[str, tuple[str, str]]
+) -> list[Case]:
+    """So many cases of each, over bodies, materials and kinds of noise."""
     shapes, noises = list(bodies), list(NOISES)
     flat = next(one for one in shapes if one not in CURVED)
-    groups = [("clean", clean, ((),)), ("within", draws, tuple((one,) for one in WITHIN))]
-    groups += [("outside", draws, tuple((one,) for one in OUTSIDE)), ("pair", draws // 2, PAIRS)]
     found = []
     for group, count, all_ in groups:
         for number, makers in enumerate(all_):
