@@ -1,4 +1,4 @@
-"""Patches that end at an edge, in place of bells."""
+"""Places that end at an edge, in place of bells."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from thermo.discover._edged import on_one_side, with_an_edge
 from thermo.discover._extended import Extended
 from thermo.discover._pace import silent
 from thermo.discover._standing import Standing
-from thermo.discover.candidates import HiddenSource, LocalConvection, SensorLag
+from thermo.discover.candidates import HiddenSource, LocalConvection, SensorLag, SupportContact
 from thermo.inverse import Ready
 
 LOWER = MESH.nodes.min(0)[2]
@@ -102,6 +102,15 @@ def test_it_is_taken_where_it_explains_more(monkeypatch: pytest.MonkeyPatch) -> 
     assert isinstance(after.point.candidates[1].place, Inclusion)
 
 
+def test_a_source_keeps_its_power_and_lies_as_deep(monkeypatch: pytest.MonkeyPatch) -> None:
+    source = HiddenSource(jnp.full(1, 3.0), Place(CENTRES[:1], jnp.full(1, 0.002)))
+    _, after, told = tried(monkeypatch, 20.0, bell=source)
+    found = after.point.candidates[1]
+    assert told == ["Inclusion"] and isinstance(found.place, Inclusion)
+    np.testing.assert_array_equal(found.strength, [3.0])
+    np.testing.assert_allclose(found.place.size, np.full((1, 3), 0.004))
+
+
 @pytest.mark.parametrize(
     ("left", "more"),
     [
@@ -119,7 +128,7 @@ def test_it_is_left_where_it_does_not(
 def test_it_is_not_tried_where_a_bell_will_do_or_nothing_else_can_be(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    source = HiddenSource(jnp.ones(1), Place(CENTRES[:1], jnp.ones(1)))
-    for more in ({"smooth": 1.0}, {"bell": with_edge(BELL)}, {"bell": source}):
+    support = SupportContact(jnp.ones(1), Place(None, jnp.ones(1)))
+    for more in ({"smooth": 1.0}, {"bell": with_edge(BELL)}, {"bell": support}):
         here, after, told = tried(monkeypatch, 20.0, **more)
         assert after is here and told == []

@@ -47,6 +47,7 @@ class Card:
     - `alike`: in words, what no candidate stands for and reads as a positive strength does.
     - `means`: in words, what the strength is; none where name and unit say so.
     - `edged`: whether its places may be of the form of an `Inclusion` as well as bells.
+    - `total`: whether a strength is that of all its place together, not that of each point of it.
     """
 
     name: str
@@ -64,6 +65,7 @@ class Card:
     alike: str = ""
     means: str = ""
     edged: bool = False
+    total: bool = False
 
 
 @final

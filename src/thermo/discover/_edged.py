@@ -22,11 +22,11 @@ _EVEN, _FLAT = 0.5, 0.25
 def with_an_edge(
     standing: Standing, rounds: list[Round], before: Standing, most: float, pace: Pace
 ) -> tuple[Standing, list[Round]]:
-    """The last effect over a patch that ends at an edge, if that explains more by `most` [1].
+    """The last effect over a place that ends at an edge, if that explains more by `most` [1].
 
-    A support or a fan's outline is no bell. It is tried where a bell leaves more than noise in
-    smooth shapes: a patch as wide along each axis, on the side of the body that the bell lay at.
-    A bell reaches through a thin wall to its other side, and such a patch does not.
+    A support, a fan's outline or a heater is no bell. It is tried where a bell leaves more than
+    noise in smooth shapes: a source as wide along each axis, a patch on the side of the body that
+    the bell lay at: that reaches through a thin wall to its other side, and such a patch does not.
 
     Arguments: `before`: where the search stood without the effect; `most`: in squares.
     """
@@ -35,9 +35,10 @@ def with_an_edge(
     bell = standing.point.candidates[kind]
     if with_edge(bell) is bell or standing.chance() > BY_SHAPES:
         return standing, rounds
-    pace.step(f"trying {name} over a patch that ends at an edge")
+    pace.step(f"trying {name} over a place that ends at an edge")
     every = list(standing.point.candidates)
-    every[kind] = on_one_side(bell, part, standing.bench.ready.mesh)
+    mesh = standing.bench.ready.mesh
+    every[kind] = with_edge(bell) if bell.card.total else on_one_side(bell, part, mesh)
     there = replace(standing, point=replace(standing.point, candidates=tuple(every)))
     there = fitted(there, times=1)
     spread = standing.misfit() if lost(there) else min(standing.misfit(), there.misfit())

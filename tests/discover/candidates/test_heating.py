@@ -24,10 +24,11 @@ from lit_box import (
     power_into,
     resting,
     solved,
+    within,
     without,
 )
 
-from thermo.discover import Candidate, Place
+from thermo.discover import Candidate, Inclusion, Place
 from thermo.discover.candidates import HeaterLag, HeaterPower, HiddenSource, InDepthAbsorption
 from thermo.inverse import Conditions
 from thermo.inverse._addition import extend
@@ -161,8 +162,9 @@ def test_light_falls_off_with_depth() -> None:
         np.testing.assert_allclose(rate @ NODES[:, :2] / 1.2, across, atol=4e-4)
 
 
-def test_heat_released_inside_is_released_about_its_place() -> None:
-    (source,) = HiddenSource(one(2.0), at(INSIDE, 0.0015)).to_model(bare(hot()), hot()).volume
+@pytest.mark.parametrize("place", [at(INSIDE, 0.0015), within(INSIDE, [0.004, 0.002, 0.002])])
+def test_heat_released_inside_is_released_about_its_place(place: Place | Inclusion) -> None:
+    (source,) = HiddenSource(one(2.0), place).to_model(bare(hot()), hot()).volume
     assert isinstance(source, NodalSource)
     rate = np.asarray(source.rate)
     assert rate.sum() == pytest.approx(2.0, rel=1e-9)

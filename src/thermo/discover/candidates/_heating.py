@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from thermo.discover._candidate import FINE, AbstractHeatCandidate, Card, Place
+from thermo.discover._candidate import FINE, AbstractHeatCandidate, Card, Inclusion, Place
 from thermo.inverse import Conditions
 from thermo.physics import Model, VolumeRule, volume_rule
 from thermo.physics.effects import Heating, NodalSource, Schedule
@@ -32,7 +32,10 @@ def _released(
 
 @final
 class HiddenSource(AbstractHeatCandidate):
-    """Heat released inside, its density as exp(-r^2 / (2 size^2)), all the time."""
+    """Heat released inside, its density as exp(-r^2 / (2 size^2)), all the time.
+
+    Or even within a body that has an edge, an `Inclusion`.
+    """
 
     card: ClassVar[Card] = Card(
         "hidden_source", "W", 5.0, -np.inf, np.inf,
@@ -40,15 +43,17 @@ class HiddenSource(AbstractHeatCandidate):
         hides_behind="contact, the lamp's power",
         split_by="a run without a lamp that starts as warm as the surroundings",
         means="heat released inside, taken up where it is negative",
+        edged=True,
+        total=True,
     )  # fmt: skip
     strength: Float[Array, " parts"]
-    place: Place
+    place: Place | Inclusion
 
     def to_model(self, model: Model, under: Conditions) -> Model:
         """The model [SI] with sources in it."""
         del under
         always = Schedule(jnp.asarray(1e12), jnp.asarray(0.0))
-        rule = volume_rule(model.space, 2)
+        rule = volume_rule(model.space, FINE if isinstance(self.place, Inclusion) else 2)
         rate = rule.load(_released(rule, self.place.shapes(rule.at), self.strength))
         return replace(model, volume=(*model.volume, NodalSource(rate, always)))
 
