@@ -199,7 +199,7 @@ def checked(
     Where there can be none, or a search is not on the mesh any more on which it had `begun`, all
     stays as it is. `share`: as for `told_by`.
     """
-    pace.step("checking a slight alarm on smaller cells")
+    pace.step(f"checking {'an' if rough else 'a slight'} alarm on smaller cells")
     bench = finest(standing.bench)
     if bench is standing.bench or bench.ready is not begun.bench.ready:
         return standing, table
