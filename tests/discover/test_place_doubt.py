@@ -66,6 +66,17 @@ def test_a_patch_half_as_wide_is_within_what_is_allowed(objective: Objective) ->
     assert kept > 0.9, "what no place explains stays"
 
 
+def test_a_patch_with_an_edge_takes_as_much_elsewhere(objective: Objective) -> None:
+    # Off the skin by its thickness it would take nothing, and its strength would seem unknown.
+    flat = within(TOP, [SIZE, SIZE, 0.001])
+    before = standing(objective, LocalConvection(one(3e4), flat))
+    after = with_doubt(before, before.allowed)
+    stronger = LocalConvection(one(3.3e4), flat)
+    told = change(objective, before.point, Extended(before.point.fields, (stronger,)))
+    kept = [np.linalg.norm(each.allowed.whiten(told)) for each in (before, after)]
+    assert kept[1] > 0.3 * kept[0] > 0
+
+
 def test_what_bursts_elsewhere_tells_of_no_error(
     objective: Objective, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -42,7 +42,7 @@ def conductance_of(
     flat, unravel = ravel_pytree(standing.point)
 
     def whole(flat: Float[Array, " entries"]) -> Float[Array, ""] | None:
-        return _taken(standing, active, unravel(flat))
+        return taken_by(standing, active, unravel(flat))
 
     value = whole(flat)
     if value is None:
@@ -80,7 +80,7 @@ def strength_between(
     def footprint(depth: float) -> float:
         deep = replace(candidate, place=Place(None, place.size.at[part].set(depth)))
         others = (*every[:kind], deep, *every[kind + 1 :])
-        value = _taken(standing, active, replace(standing.point, candidates=others))
+        value = taken_by(standing, active, replace(standing.point, candidates=others))
         assert value is not None
         return float(value) / strength
 
@@ -97,7 +97,7 @@ def _number(point: Extended, free: Free, kind: int, part: int) -> int:
     return int(np.flatnonzero(free.number == int(where.size[part]))[0])
 
 
-def _taken(standing: Standing, active: Active, point: Extended) -> Float[Array, ""] | None:
+def taken_by(standing: Standing, active: Active, point: Extended) -> Float[Array, ""] | None:
     """The integral of h over all of the place of an effect at a point [W/K]."""
     entry = entry_of(standing.point, active)
     candidate = _alone(point.candidates[entry.kind], entry)

@@ -12,8 +12,9 @@ from jaxtyping import Float
 
 from thermo.discover._allowance import Allowance, beside
 from thermo.discover._bench import read_there, steps_for
-from thermo.discover._candidate import Candidate, Transition, Where
-from thermo.discover._entries import Active
+from thermo.discover._candidate import Candidate, Inclusion, Transition, Where
+from thermo.discover._conductance import taken_by
+from thermo.discover._entries import Active, entry_of
 from thermo.discover._extended import Extended, whitened
 from thermo.discover._scores import ScoreTable, credible
 from thermo.discover._standing import Standing, box_of, fitted, has_places, with_few_places
@@ -30,6 +31,9 @@ the deviation 0.4 in 16 recordings: twice the threshold is passed in 0.2 % then.
 
 # Sizes over the found one [1].
 _SIZES: Final = (0.5, 2.0)
+# Of what a patch takes in place, the least that it takes elsewhere as it is [1]: with less it lies
+# beside the body.
+_THERE: Final = 0.1
 
 Corners = Float[np.ndarray, "2 3"]
 
@@ -39,13 +43,15 @@ def with_doubt(standing: Standing, allowed: Allowance) -> Standing:
 
     Nature's places are not bells or boxes. Of each effect a share of 0.15 may be one size away
     along any axis, or be spread half or twice as wide, each by itself at random: what is read then,
-    less what is read with all of it in place, is an error of known shape [1].
+    less what is read with all of it in place, is an error of known shape [1]. A patch with an edge
+    takes as much in all elsewhere: across the skin its place means nothing, and off it a change of
+    place would do what a change of its strength does.
 
     Source: Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001) 425, a discrepancy of the model.
     """
     small, _ = with_few_places(standing)
     corners = box_of(small)
-    others = [one for active in small.active for one in _elsewhere(small.point, active, corners)]
+    others = [one for active in small.active for one in _elsewhere(small, active, corners)]
     if not others:
         return undoubted(standing, allowed)
     objective = steps_for(small.bench.coarse, small.point)
@@ -86,17 +92,29 @@ def undoubted(standing: Standing, allowed: Allowance) -> Standing:
     return fitted(replace(standing, allowed=allowed), times=0)
 
 
-def _elsewhere(point: Extended, active: Active, corners: Corners) -> list[Extended]:
-    """The point with an effect's place changed, one way each [1]."""
-    name, part = active
-    kind = next(n for n, one in enumerate(point.candidates) if one.card.name == name)
+def _elsewhere(standing: Standing, active: Active, corners: Corners) -> list[Extended]:
+    """The point where a search stands, with an effect's place changed, one way each [1]."""
+    point = standing.point
+    entry = entry_of(point, active)
+    kind, part = entry.kind, entry.part
     one = point.candidates[kind]
     if one.place is None:
         return []
-    before, after = point.candidates[:kind], point.candidates[kind + 1 :]
+
+    def instead(other: Candidate) -> Extended:
+        return replace(
+            point, candidates=(*point.candidates[:kind], other, *point.candidates[kind + 1 :])
+        )
+
+    moved = [replace(one, place=place) for place in _places(one.place, part, corners)]
+    whole = taken_by(standing, active, point)
+    if whole is None or not isinstance(one.place, Inclusion):
+        return [instead(other) for other in moved]
+    takes = [taken_by(standing, active, instead(other)) for other in moved]
     return [
-        replace(point, candidates=(*before, replace(one, place=place), *after))
-        for place in _places(one.place, part, corners)
+        instead(replace(other, strength=other.strength.at[part].multiply(whole / there)))
+        for other, there in zip(moved, takes, strict=True)
+        if there is not None and float(there / whole) >= _THERE
     ]
 
 
