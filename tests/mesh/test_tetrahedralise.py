@@ -242,6 +242,25 @@ def test_entries_round_trip(tmp_path, made):
     np.testing.assert_array_equal(kept[1], made[1])
 
 
+@pytest.mark.parametrize(("tilt", "parallel"), [(0.03, True), (0.3, False)])
+def test_faces_that_hardly_tilt_are_as_parallel_to_a_wall_as_they_are_meant_to_be(
+    cube: Surface, made: tuple[np.ndarray, np.ndarray], tilt: float, parallel: bool
+) -> None:
+    nodes, cells = made
+    # Nodes in the middle of sides are moved along an axis, out of one side and into the other.
+    middle = (nodes.min(0) + nodes.max(0)) / 2
+    side = np.ptp(nodes, axis=0)[0]
+    away = np.abs(nodes - middle)
+    in_a_side = (np.isclose(away, side / 2).sum(1) == 1) & (np.isclose(away, 0).sum(1) == 2)
+    assert in_a_side.sum() == 6
+    moved = nodes + in_a_side[:, None] * tilt * away
+    mesh = gated_mesh(moved, cells, cube, where="cube")
+    assert (np.abs(mesh.normals).max(axis=1) > 1 - 1e-12).all() == parallel
+    a, b, c = (mesh.nodes[mesh.faces[:, i]] for i in range(3))
+    own = np.cross(b - a, c - a)
+    assert (np.abs(own).max(1) < (1 - 1e-6) * np.linalg.norm(own, axis=1)).any()
+
+
 def test_the_gate_refuses_empty_flat_and_shrunken_meshes(cube, made):
     nodes, cells = made
     assert len(gated_mesh(nodes, cells, cube, where="cube").cells) == 48

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
+from jaxtyping import Float
 
 from thermo.errors import InputError
 
 from ._build import mesh_from_cells
-from ._geometry import cell_quality
+from ._geometry import cell_quality, triangle_normals
 from ._mesh import Mesh
+from ._nearest_triangle import nearest_triangle
 from ._surface import Surface
 
 LEAST_QUALITY: Final = 0.03
@@ -18,6 +21,9 @@ LEAST_QUALITY: Final = 0.03
 
 VOLUME_TOLERANCE: Final = 0.005
 """Largest relative difference between the volumes of the mesh and the surface."""
+
+TILT: Final = 0.1
+"""Angle to the surface below it within which a face is taken for parallel to that [1]."""
 
 
 def gated_mesh(nodes: np.ndarray, cells: np.ndarray, surface: Surface, *, where: str) -> Mesh:
@@ -36,7 +42,24 @@ def gated_mesh(nodes: np.ndarray, cells: np.ndarray, surface: Surface, *, where:
             limit=f"{VOLUME_TOLERANCE:.1%} difference",
             remedy="make the sizing finer, or check the surface for thin and open parts",
         )
-    return mesh
+    return replace(mesh, normals=_surface_normals(mesh, surface))
+
+
+def _surface_normals(mesh: Mesh, surface: Surface) -> Float[np.ndarray, "faces 3"]:
+    """Outward normals [1] of the surface below faces that are as good as parallel to it.
+
+    Those of other faces are their own.
+
+    Nodes lie off the surface a little, so that faces of a flat wall tilt to either side. Light
+    along the wall would fall on those that tilt towards it, and none of that is made up for by the
+    others: 0.4 % of a lamp's power on the walls of a cup whose floor it lights.
+    """
+    corners = surface.vertices[surface.triangles]
+    middles = mesh.nodes[mesh.faces].mean(axis=1)
+    below, _, _ = nearest_triangle(corners, middles)
+    normals, _ = triangle_normals(surface.vertices, surface.triangles[below])
+    parallel = np.einsum("fi,fi->f", normals, mesh.normals) >= np.cos(TILT)
+    return np.where(parallel[:, None], normals, mesh.normals)
 
 
 def sound_mesh(nodes: np.ndarray, cells: np.ndarray, *, where: str) -> Mesh:
