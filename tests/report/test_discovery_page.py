@@ -157,6 +157,7 @@ def test_the_page_is_whole_and_asks_for_nothing(verdict: str) -> None:
     assert "A block &lt;script&gt;" in page and "0.10 &lt;dev&gt; in 412 s" in page
     assert f'<p class="said lead {verdict}">It is {verdict}, &lt;i&gt;so&lt;/i&gt;.</p>' in page
     assert '<p class="said more">On other it falls.</p>' in page
+    assert f"Verdict: <code>{verdict}</code>" in page
     cells = set(checker.cells)
     assert {"0.9", "0.0612", "0.0498", "98.1 % [96.1 %, above 99.9 %]", "nothing to close"} <= cells
     assert {"conductivity", "0.25 W/m/K", "0.2 W/m/K", "-20 %"} <= cells

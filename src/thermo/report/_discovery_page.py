@@ -68,7 +68,8 @@ def _verdict(record: Record) -> str:
         f'<p class="said {lead if number < first else "more"}">{html.escape(line)}</p>'
         for number, line in enumerate(record["sentences"])
     ]
-    return f'<section id="verdict">{"".join(said)}</section>'
+    name = f'<p class="note">Verdict: <code>{html.escape(word)}</code></p>'
+    return f'<section id="verdict">{name}{"".join(said)}</section>'
 
 
 def _rounds(record: Record) -> str:
