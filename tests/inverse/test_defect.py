@@ -13,11 +13,11 @@ from jaxtyping import Array
 
 from thermo.inverse import LevenbergMarquardt, Meshing, OnControlPoints, Prior, Stepping
 from thermo.inverse._case import in_kelvin
-from thermo.inverse._defect import FINER, defect_sizes, defects, with_defects, with_shared
+from thermo.inverse._defect import defect_sizes, defects, with_defects, with_shared
 from thermo.inverse._objective import Objective, residual, run_parts, start
 from thermo.inverse._reading_errors import whiten
 from thermo.inverse._stages import make_stage
-from thermo.inverse._task import Ready, Task, mesh_for, prepare
+from thermo.inverse._task import FINER, Ready, Task, mesh_for, prepare
 from thermo.observe import Run, Scene
 
 TRUTH = {"conductivity": 0.8}

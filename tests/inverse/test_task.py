@@ -9,10 +9,14 @@ from pathlib import Path
 import equinox as eqx
 import numpy as np
 import pytest
+from angled import angled
 
 from thermo.errors import InputError
 from thermo.inverse import LevenbergMarquardt, Meshing, Prior, Stepping, Uniform
-from thermo.inverse._task import Task, what_is_asked
+from thermo.inverse import _task as module
+from thermo.inverse._body import state
+from thermo.inverse._task import FINER, Task, mesh_for, what_is_asked
+from thermo.mesh import Fine, Mesh, Sizing, box_mesh
 from thermo.observe import Air, Box, Course, Noise, Prescribed, Run, Scene
 
 
@@ -90,3 +94,34 @@ def test_nothing_is_no_first_value(name: str, scene: Scene) -> None:
             what_is_asked(dark, None, (name,), {stated: 0.0})
     if stated == name:
         what_is_asked(replace(dark, unknown=(name,), **{name: None}), None, (name,), None)
+
+
+@pytest.mark.parametrize(
+    ("finer", "there"), [(1.0, False), (1.6, False), (FINER, True), (3.0, True)]
+)
+def test_a_mesh_that_is_measured_against_is_finer_at_inner_edges(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch, finer: float, there: bool
+) -> None:
+    asked: list[tuple[Fine, ...]] = []
+    monkeypatch.setattr(module, "surface_of", lambda _: angled())
+
+    def make_mesh(*_: object, fine: tuple[Fine, ...], finer: float) -> Mesh:
+        asked.append(fine)
+        return box_mesh((0.01, 0.01, 0.01 * finer), (1, 1, 1))
+
+    monkeypatch.setattr(module, "make_mesh", make_mesh)
+    stated = state(scene, {"conductivity": 1.0}, 1.0)
+    own = Fine(np.zeros((1, 3)), 1e-3)
+    mesh_for(task(scene, scene.runs["lamp"]), stated, finer, (own,))
+    ((first, *more),) = asked
+    assert first is own and len(more) == there
+    for one in more:
+        np.testing.assert_allclose(one.points[:, [0, 2]], 0.01, atol=1e-12)
+
+
+def test_many_inner_edges_are_left_as_they_are() -> None:
+    # One edge of 20 mm: that it takes more nodes than all of the mesh needs long cells.
+    few, many = (Sizing(skin, skin, skin) for skin in (0.004, 0.06))
+    (fine,) = module._at_inner_edges(angled(), few)
+    assert fine.edge == 0.002 and len(fine.points) == 10
+    assert module._at_inner_edges(angled(), many) == ()

@@ -14,7 +14,6 @@ from thermo.inverse._conditions import Conditions
 from thermo.inverse._defect import (
     DEFECT_LEFT,
     DEFECT_SPREAD,
-    FINER,
     defect_sizes,
     finer_readings,
     with_defects,
@@ -73,7 +72,7 @@ from thermo.inverse._smoothing import ALL_BUT_UNIFORM
 from thermo.inverse._stages import coarse_tangents, make_objective
 from thermo.inverse._staying import left_open, staying
 from thermo.inverse._stepping import Stepping
-from thermo.inverse._task import Prior, Ready, Task, lay_out, mesh_for, stand_in
+from thermo.inverse._task import FINER, Prior, Ready, Task, lay_out, mesh_for, stand_in
 from thermo.inverse._transfer import carry_over
 
 __all__ = [

@@ -28,13 +28,10 @@ from thermo.inverse._properties import properties
 from thermo.inverse._reading_errors import whiten
 from thermo.inverse._side_by_side import at_once
 from thermo.inverse._stepping import free_grid
-from thermo.inverse._task import Ready, Task, mesh_for
+from thermo.inverse._task import FINER, Ready, Task, mesh_for
 from thermo.inverse._transfer import carry_over
 from thermo.mesh import Mesh
 from thermo.observe import Run
-
-FINER: Final = 2.0
-"""Edges and surface tolerance of the fit's mesh over those of the finer one [1]."""
 
 SHORTER: Final = 0.2
 """Error of a step of the finer run over that of the fit's [1]."""

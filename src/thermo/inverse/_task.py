@@ -6,7 +6,7 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import final
+from typing import Final, final
 
 import jax
 import jax.numpy as jnp
@@ -19,6 +19,7 @@ from thermo.inverse._body import (
     check_values,
     make_mesh,
     scan_conductivity,
+    sizing_of,
     state,
     surface_of,
 )
@@ -29,9 +30,17 @@ from thermo.inverse._properties import Stated, check_unknowns
 from thermo.inverse._selection import select_fit_runs, select_unknowns
 from thermo.inverse._smoothing import WEAK_STEP
 from thermo.inverse._stepping import Stepping, fit_frames, planned_steps
-from thermo.mesh import Fine, Mesh
+from thermo.mesh import Fine, Mesh, Sizing, Surface, expected_nodes, inner_edges
 from thermo.observe import Run, Scene, read_scene
 from thermo.physics import TimeGrid
+
+FINER: Final = 2.0
+"""Edges and surface tolerance of a fit's mesh over those of one that it is measured against [1]."""
+
+# Other edges of that over those at inner edges of the surface, and quadratic nodes that a point
+# there takes [1], counted on a cup.
+_SHORTER: Final = 2.0
+_NODES_EACH: Final = 8
 
 
 @final
@@ -185,11 +194,25 @@ def stand_in(task: Task) -> Stated:
 def mesh_for(task: Task, stated: Stated, finer: float = 1.0, fine: tuple[Fine, ...] = ()) -> Mesh:
     """The mesh of a fit [m], or one whose lengths are divided by `finer` [1].
 
-    `fine`: where they are shorter still.
+    `fine`: where they are shorter still; so they are at inner edges of a mesh that is measured on.
     """
-    scene = task.scene
-    diffusivity = stated.of("diffusivity")
-    return make_mesh(scene, surface_of(scene), diffusivity, task.meshing, finer=finer, fine=fine)
+    scene, surface, diffusivity = task.scene, surface_of(task.scene), stated.of("diffusivity")
+    if finer >= FINER:
+        sizing = sizing_of(scene, surface, diffusivity, task.meshing).divided(finer)
+        fine = (*fine, *_at_inner_edges(surface, sizing))
+    return make_mesh(scene, surface, diffusivity, task.meshing, finer=finer, fine=fine)
+
+
+def _at_inner_edges(surface: Surface, sizing: Sizing) -> tuple[Fine, ...]:
+    """Edges half as short as elsewhere [m] where a surface turns inward, if it has few such places.
+
+    What cells of one size make wrong there hardly falls when all are made smaller, and what is
+    measured on these would be too little.
+    """
+    edge = sizing.skin / _SHORTER
+    points = inner_edges(surface, edge)
+    few = _NODES_EACH * len(points) <= expected_nodes(surface, sizing)
+    return (Fine(points, edge),) if len(points) and few else ()
 
 
 def lay_out(task: Task, mesh: Mesh, stated: Stated) -> Ready:

@@ -7,6 +7,7 @@ from ._build import mesh_from_cells
 from ._check_surface import check_surface
 from ._cylinder import cylinder_mesh
 from ._geometry import cell_quality, cell_volumes, face_areas, triangle_normals
+from ._inner_edges import inner_edges
 from ._locate import SurfacePoints, locate
 from ._mesh import Mesh
 from ._nearest_triangle import nearest_triangle
@@ -49,6 +50,7 @@ __all__ = [
     "first_hits",
     "heat_depth",
     "in_beam",
+    "inner_edges",
     "linear",
     "locate",
     "nearest_triangle",
