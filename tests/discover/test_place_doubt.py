@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from lit_box import at, one, within
 
-from thermo.discover import Place, _place_doubt
+from thermo.discover import Inclusion, Place, _place_doubt
 from thermo.discover._allowance import Allowance, allowance
 from thermo.discover._candidate import Transition
 from thermo.discover._entries import Entry
@@ -67,7 +67,7 @@ def test_a_patch_half_as_wide_is_within_what_is_allowed(objective: Objective) ->
 
 
 def test_a_patch_with_an_edge_takes_as_much_elsewhere(objective: Objective) -> None:
-    # Off the skin by its thickness it would take nothing, and its strength would seem unknown.
+    # Off the skin, or half as thick, it would take nothing, and its strength would seem unknown.
     flat = within(TOP, [SIZE, SIZE, 0.001])
     before = standing(objective, LocalConvection(one(3e4), flat))
     after = with_doubt(before, before.allowed)
@@ -122,6 +122,17 @@ def test_places_change_one_way_each_and_stay_in_the_body() -> None:
         assert np.all(one_way.centre[1] <= corners[1])
     sizes = [float(one_way.size[1]) for one_way in found]
     assert sizes[:2] == [SIZE / 2, 2 * SIZE] and set(sizes[2:]) == {SIZE}
+
+
+def test_a_patch_is_elsewhere_along_the_skin_alone() -> None:
+    flat = within(TOP, [0.004, 0.003, 0.001])
+    corners = np.array([[0.0, 0.0, 0.0], [0.02, 0.012, 0.008]])
+    narrow, wide, *moved = _place_doubt._places(flat, 0, corners, np.array([1.0, 0.7, 0.0]))
+    np.testing.assert_allclose(narrow.size, [[0.002, 0.003 / 2**0.7, 0.001]])
+    np.testing.assert_allclose(wide.size, [[0.008, 0.003 * 2**0.7, 0.001]])
+    assert len(moved) == 4
+    for one_way in moved:
+        assert isinstance(one_way, Inclusion) and float(one_way.centre[0, 2]) == TOP[2]
 
 
 def test_a_depth_and_a_transition_have_fewer_ways() -> None:

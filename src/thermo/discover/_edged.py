@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Float
 
 from thermo.discover._candidate import Candidate, Inclusion, with_edge
 from thermo.discover._pace import Pace
@@ -55,10 +56,14 @@ def on_one_side(bell: Candidate, part: int, mesh: Mesh) -> Candidate:
     """A candidate with an edge, the part at work thin across the nearest face of a mesh [m]."""
     even = with_edge(bell)
     assert isinstance(even.place, Inclusion), "asked of bells alone"
-    centres = mesh.nodes[mesh.faces[:, :3]].mean(1)
-    near = int(np.argmin(np.sum((centres - np.asarray(even.place.centre[part])) ** 2, axis=1)))
-    across = np.abs(mesh.normals[near])
-    thin = jnp.asarray(1 - (1 - _FLAT) * across)
+    thin = jnp.asarray(1 - (1 - _FLAT) * across_skin(even.place, part, mesh))
     size = even.place.size.at[part].multiply(thin)
     strength = even.strength.at[part].multiply(_EVEN)
     return replace(even, strength=strength, place=replace(even.place, size=size))
+
+
+def across_skin(place: Inclusion, part: int, mesh: Mesh) -> Float[np.ndarray, "3"]:
+    """How far each axis [1] goes across the skin where that is nearest to a place [m]."""
+    centres = mesh.nodes[mesh.faces[:, :3]].mean(1)
+    near = np.argmin(np.sum((centres - np.asarray(place.centre[part])) ** 2, axis=1))
+    return np.abs(mesh.normals[near])

@@ -14,6 +14,7 @@ from thermo.discover._allowance import Allowance, beside
 from thermo.discover._bench import read_there, steps_for
 from thermo.discover._candidate import Candidate, Inclusion, Transition, Where
 from thermo.discover._conductance import taken_by
+from thermo.discover._edged import across_skin
 from thermo.discover._entries import Active, entry_of
 from thermo.discover._extended import Extended, whitened
 from thermo.discover._scores import ScoreTable, credible
@@ -31,6 +32,8 @@ the deviation 0.4 in 16 recordings: twice the threshold is passed in 0.2 % then.
 
 # Sizes over the found one [1].
 _SIZES: Final = (0.5, 2.0)
+# How far an axis goes along the skin at the least where a patch is moved along it [1].
+_ALONG: Final = 0.5
 # Of what a patch takes in place, the least that it takes elsewhere as it is [1]: with less it lies
 # beside the body.
 _THERE: Final = 0.1
@@ -44,8 +47,8 @@ def with_doubt(standing: Standing, allowed: Allowance) -> Standing:
     Nature's places are not bells or boxes. Of each effect a share of 0.15 may be one size away
     along any axis, or be spread half or twice as wide, each by itself at random: what is read then,
     less what is read with all of it in place, is an error of known shape [1]. A patch with an edge
-    takes as much in all elsewhere: across the skin its place means nothing, and off it a change of
-    place would do what a change of its strength does.
+    stays in the skin, across which its place and its size mean nothing, and takes as much in all:
+    off the skin a change of place would do what a change of its strength does.
 
     Source: Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001) 425, a discrepancy of the model.
     """
@@ -106,10 +109,11 @@ def _elsewhere(standing: Standing, active: Active, corners: Corners) -> list[Ext
             point, candidates=(*point.candidates[:kind], other, *point.candidates[kind + 1 :])
         )
 
-    moved = [replace(one, place=place) for place in _places(one.place, part, corners)]
     whole = taken_by(standing, active, point)
     if whole is None or not isinstance(one.place, Inclusion):
-        return [instead(other) for other in moved]
+        return [instead(replace(one, place=place)) for place in _places(one.place, part, corners)]
+    along = 1 - across_skin(one.place, part, standing.bench.ready.mesh)
+    moved = [replace(one, place=place) for place in _places(one.place, part, corners, along)]
     takes = [taken_by(standing, active, instead(other)) for other in moved]
     return [
         instead(replace(other, strength=other.strength.at[part].multiply(whole / there)))
@@ -118,9 +122,15 @@ def _elsewhere(standing: Standing, active: Active, corners: Corners) -> list[Ext
     ]
 
 
-def _places(place: Where, part: int, corners: Corners) -> list[Where]:
-    """A place with one part of it wider, narrower or elsewhere in the body [m, or K]."""
-    made = [replace(place, size=place.size.at[part].multiply(factor)) for factor in _SIZES]
+def _places(
+    place: Where, part: int, corners: Corners, along: Float[np.ndarray, "3"] | None = None
+) -> list[Where]:
+    """A place with one part of it wider, narrower or elsewhere in the body [m, or K].
+
+    `along`: by how much an inclusion may be so along each axis, from 0 to 1 [1].
+    """
+    power = 1.0 if along is None else along
+    made = [replace(place, size=place.size.at[part].multiply(by**power)) for by in _SIZES]
     centre = place.centre
     if centre is None:
         return made
@@ -128,5 +138,6 @@ def _places(place: Where, part: int, corners: Corners) -> list[Where]:
         moved = [centre[part] + sign * place.size[part] for sign in (-1, 1)]
     else:
         ways = jnp.diag(jnp.broadcast_to(place.size[part], 3))
+        ways = ways if along is None else ways[along > _ALONG]
         moved = [jnp.clip(centre[part] + sign * way, *corners) for way in ways for sign in (-1, 1)]
     return made + [replace(place, centre=centre.at[part].set(one)) for one in moved]
