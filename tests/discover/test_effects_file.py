@@ -53,8 +53,10 @@ def test_few_places_come_back_as_few(scene: Scene, tmp_path: Path) -> None:
     np.testing.assert_array_equal(one.place.centre, [[0.01, 0.0, 0.004]])
 
 
-def test_a_patch_with_an_edge_comes_back_as_one(scene: Scene, tmp_path: Path) -> None:
-    (bell,) = (one for one in every(scene) if one.card.edged)
+@pytest.mark.parametrize("name", ["local_convection", "hidden_source"])
+def test_a_place_with_an_edge_comes_back_as_one(scene: Scene, tmp_path: Path, name: str) -> None:
+    (bell,) = (one for one in every(scene) if one.card.name == name)
+    assert bell.card.edged
     even = with_edge(bell)
     saved = verdict("named").extended
     save_estimate(tmp_path / "estimate.npz", saved, effects_as_arrays((even,)))
