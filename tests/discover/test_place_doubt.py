@@ -12,10 +12,11 @@ from lit_box import at, one, within
 from thermo.discover import Inclusion, Place, _place_doubt
 from thermo.discover._allowance import Allowance, allowance
 from thermo.discover._candidate import Transition
-from thermo.discover._entries import Entry
+from thermo.discover._entries import Active, Entry
 from thermo.discover._extended import Extended, readings, whitened
 from thermo.discover._place_doubt import clear_of_shapes, with_doubt
 from thermo.discover._scores import Score, ScoreTable
+from thermo.discover._standing import Standing
 from thermo.discover.candidates import (
     CameraEmissivity,
     HeaterPower,
@@ -75,6 +76,18 @@ def test_a_patch_with_an_edge_takes_as_much_elsewhere(objective: Objective) -> N
     told = change(objective, before.point, Extended(before.point.fields, (stronger,)))
     kept = [np.linalg.norm(each.allowed.whiten(told)) for each in (before, after)]
     assert kept[1] > 0.3 * kept[0] > 0
+
+
+def test_a_patch_that_would_lie_beside_the_body_tells_of_no_error(
+    objective: Objective, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = standing(objective, LocalConvection(one(3e4), within(TOP, [SIZE, SIZE, 0.001])))
+
+    def taken_by(standing: Standing, _: Active, point: Extended) -> jnp.ndarray:
+        return jnp.asarray(1.0 if point is standing.point else 0.09)
+
+    monkeypatch.setattr(_place_doubt, "taken_by", taken_by)
+    assert with_doubt(before, before.allowed) is before
 
 
 def test_what_bursts_elsewhere_tells_of_no_error(

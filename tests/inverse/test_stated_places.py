@@ -119,40 +119,41 @@ def test_a_wide_lamp_whose_axis_passes_far_away_is_refused(scene: Scene, surface
     # Millimetres for metres: a spot as wide as that would light the object evenly.
     run, size = scene.runs["lamp"], surface.diagonal()
     assert run.heater is not None
-    middle = (surface.vertices.min(0) + surface.vertices.max(0)) / 2
-    across = np.cross(run.heater.direction, [0.3, 0.5, 0.7])
+    middle, way = (surface.vertices.min(0) + surface.vertices.max(0)) / 2, run.heater.direction
+    across = np.cross(way, [0.3, 0.5, 0.7])
     across /= np.linalg.norm(across)
-    for far, fine in [(9.9, True), (10.1, False)]:
-        centre = middle + far * size * across - 1e3 * run.heater.direction
-        wide = with_run(scene, heater=lamp(run, centre=centre, radius=10 * size))
-        if fine:
-            check_places(wide, surface)
-            continue
-        with pytest.raises(InputError, match="axis passes far from the object") as caught:
-            check_places(wide, surface)
-        assert caught.value.where.endswith("runs.lamp.heater.centre")
-        assert f"{far * size:.3g} m" in caught.value.value and "metres" in caught.value.remedy
+
+    def wide(far: float) -> Scene:
+        centre = middle + far * size * across - 1e3 * way
+        return with_run(scene, heater=lamp(run, centre=centre, radius=10 * size))
+
+    check_places(wide(9.9), surface)
+    fault = refused(wide(10.1), surface, "axis passes far from the object")
+    assert f"{10.1 * size:.3g} m" in fault.value and "metres" in fault.remedy
 
 
-@pytest.mark.parametrize(
-    ("beside", "radius", "fine"), [(4.9, 1e-3, True), (5.1, 1e-3, False), (-20.0, 1e-5, True)]
-)
-def test_a_spot_beside_the_object_is_refused(
-    scene: Scene, surface: Surface, beside: float, radius: float, fine: bool
-) -> None:
-    # Scaled to its power, the tail of its bell would light the edge with all of it. One within the
-    # object may lie between the corners of large triangles.
-    run, down = scene.runs["lamp"], np.array([0.0, 0.0, -1.0])
-    low, high = surface.vertices.min(0), surface.vertices.max(0)
-    centre = np.array([high[0] + beside * radius, 0.4 * low[1] + 0.6 * high[1], high[2] + 0.1])
-    stated = with_run(scene, heater=lamp(run, centre=centre, direction=down, radius=radius))
-    if fine:
-        check_places(stated, surface)
-        return
-    with pytest.raises(InputError, match="spot lies beside the object") as caught:
+def refused(stated: Scene, surface: Surface, words: str) -> InputError:
+    """The error of a lamp whose centre is wrong."""
+    with pytest.raises(InputError, match=words) as caught:
         check_places(stated, surface)
     assert caught.value.where.endswith("runs.lamp.heater.centre")
-    assert "passes 0.0051 m beside" in caught.value.value and "0.005 m" in caught.value.limit
+    return caught.value
+
+
+def test_a_spot_beside_the_object_is_refused(scene: Scene, surface: Surface) -> None:
+    # Scaled to its power, the tail of its bell would light the edge with all of it.
+    run, down = scene.runs["lamp"], np.array([0.0, 0.0, -1.0])
+    low, high = surface.vertices.min(0), surface.vertices.max(0)
+
+    def spot(beside: float, radius: float) -> Scene:
+        centre = np.array([high[0] + beside * radius, 0.4 * low[1] + 0.6 * high[1], high[2] + 0.1])
+        return with_run(scene, heater=lamp(run, centre=centre, direction=down, radius=radius))
+
+    check_places(spot(4.9, 1e-3), surface)
+    # One within the object may lie between the corners of large triangles.
+    check_places(spot(-20.0, 1e-5), surface)
+    fault = refused(spot(5.1, 1e-3), surface, "spot lies beside the object")
+    assert "passes 0.0051 m beside" in fault.value and "0.005 m" in fault.limit
 
 
 def test_a_scene_without_a_file_is_told_by_its_run_alone(

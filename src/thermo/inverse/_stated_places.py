@@ -7,11 +7,10 @@ from typing import Final
 import numpy as np
 from jaxtyping import Float
 from trimesh.intersections import slice_faces_plane
-from trimesh.triangles import closest_point
 
 from thermo.errors import InputError
 from thermo.inverse._span_of_samples import check_span
-from thermo.mesh import Surface
+from thermo.mesh import Surface, nearest_triangle
 from thermo.observe import Box, Heater, Run, Scene
 
 # An axis that passes farther away, in diagonals of the object [1], was not meant.
@@ -130,5 +129,4 @@ def _beside(heater: Heater, surface: Surface) -> float:
     lit = corners[outward @ heater.direction < 0]
     # Seen along the light.
     seen = lit - (lit @ heater.direction)[..., None] * heater.direction
-    nearest = closest_point(seen, np.zeros((len(seen), 3)))
-    return float(np.linalg.norm(nearest, axis=1).min(initial=np.inf))
+    return float(nearest_triangle(seen, np.zeros((1, 3)))[2][0])

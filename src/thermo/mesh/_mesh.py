@@ -21,7 +21,8 @@ class Mesh(eqx.Module):
     - `cells`: (cells, 4) or (cells, 10) node numbers in VTK's order; every volume is positive.
     - `faces`: (faces, 3) or (faces, 6) boundary faces, corners turning outward.
     - `owners`: (faces,) the one cell behind each boundary face.
-    - `normals`: (faces, 3) outward unit normals, where a surface was meshed those of the surface.
+    - `normals`: (faces, 3) outward unit normals; of faces as good as parallel to a surface that
+      was meshed those of the surface.
     - `regions`: (cells,) number of the material region of each cell.
     """
 
