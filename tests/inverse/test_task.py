@@ -119,9 +119,22 @@ def test_a_mesh_that_is_measured_against_is_finer_at_inner_edges(
         np.testing.assert_allclose(one.points[:, [0, 2]], 0.01, atol=1e-12)
 
 
-def test_many_inner_edges_are_left_as_they_are() -> None:
-    # One edge of 20 mm: that it takes more nodes than all of the mesh needs long cells.
-    few, many = (Sizing(skin, skin, skin) for skin in (0.004, 0.06))
-    (fine,) = module._at_inner_edges(angled(), few)
-    assert fine.edge == 0.002 and len(fine.points) == 10
-    assert module._at_inner_edges(angled(), many) == ()
+@pytest.mark.parametrize(
+    ("skin", "shorter"),
+    [(0.002, 4.0), (0.004, 2.0), (0.012, None)],
+)
+def test_edges_at_inner_edges_are_as_short_as_nodes_last(
+    skin: float, shorter: float | None
+) -> None:
+    # One edge of 20 mm; that it takes more nodes than half of all others needs long cells.
+    found = module._at_inner_edges(angled(), Sizing(skin, skin, skin), FINER)
+    assert [one.edge for one in found] == ([] if shorter is None else [skin / shorter])
+
+
+def test_lengths_at_inner_edges_fall_faster_so_that_errors_fall_alike() -> None:
+    edges = []
+    for finer in (2.0, 4.0):
+        sizing = Sizing(0.002, 0.002, 0.002).divided(finer)
+        (fine,) = module._at_inner_edges(angled(), sizing, finer)
+        edges.append(fine.edge)
+    assert (edges[0] / edges[1]) ** (4 / 3) == pytest.approx(2.0**2)
