@@ -8,7 +8,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from lit_box import MESH
+from lit_box import MESH, SIZE
 from standings import standing
 from verdicts import one_round
 
@@ -21,6 +21,7 @@ from thermo.discover._pace import silent
 from thermo.discover._standing import Standing
 from thermo.discover.candidates import HiddenSource, LocalConvection, SensorLag, SupportContact
 from thermo.inverse import Ready
+from thermo.mesh import box_mesh
 
 LOWER = MESH.nodes.min(0)[2]
 CENTRES = jnp.asarray([[0.006, 0.006, float(LOWER)], [0.012, 0.004, 0.004]])
@@ -50,9 +51,18 @@ def test_a_patch_begins_on_one_side_of_the_body() -> None:
     np.testing.assert_allclose(place.size, [[0.006, 0.006, 0.0015], [0.004, 0.004, 0.004]])
     second = place.only(1)
     np.testing.assert_array_equal(second.size, place.size[1:])
+    np.testing.assert_array_equal(second.centre, CENTRES[1:])
     np.testing.assert_array_equal(second.shapes(CENTRES), place.shapes(CENTRES)[1:])
     top = jnp.asarray([0.006, 0.006, float(MESH.nodes.max(0)[2])])
     assert float(place.shapes(top)[0]) < 1e-6 < float(BELL.place.shapes(top)[0])
+
+
+def test_a_patch_begins_on_a_skin_that_is_flat_there() -> None:
+    fine = box_mesh(SIZE, (20, 12, 8))
+    deep = CENTRES.at[0, 2].add(0.001)
+    found = on_one_side(replace(BELL, place=Place(deep, jnp.asarray([0.0015, 0.002]))), 0, fine)
+    assert isinstance(found.place, Inclusion)
+    np.testing.assert_allclose(found.place.centre, CENTRES.at[0, 2].set(LOWER), atol=1e-12)
 
 
 def tried(

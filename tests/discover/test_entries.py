@@ -197,6 +197,23 @@ def test_a_patch_with_an_edge_may_be_thin_beside_the_bell_that_was_first() -> No
     assert sorted(free.number[1:4] - free.number[1]) == [0, 1, 2]
 
 
+def test_a_patch_that_is_held_along_an_axis_neither_moves_nor_grows_along_it() -> None:
+    first = FIRST[1]
+    even = with_edge(first)
+    assert isinstance(even.place, Inclusion)
+    point = Extended({}, (even,))
+    entry = entry_of(point, ("local_convection", 1))
+    held = np.array([False, False, True])
+    every, free = (free_entries(point, entry, first, CORNERS, one) for one in (~held & held, held))
+    lacking = np.setdiff1d(every.number, free.number)
+    at = numbers(point).at.candidates[0].place
+    assert isinstance(at, Inclusion)
+    np.testing.assert_array_equal(lacking, [at.centre[1, 2], at.size[1, 2]])
+    kept = np.isin(every.number, free.number)
+    for name in ("number", "scale", "low", "high", "logarithm"):
+        np.testing.assert_array_equal(getattr(free, name), getattr(every, name)[kept])
+
+
 def test_parts_are_joined_in_their_order(point: Extended) -> None:
     some = (
         field_entries(point, point.fields),

@@ -54,6 +54,14 @@ class Free:
     high: Float[np.ndarray, " free"]
     logarithm: Bool[np.ndarray, " free"]
 
+    def but(self, held: Int[np.ndarray, "*any"]) -> Free:
+        """Without the entries of these numbers [1]."""
+        kept = ~np.isin(self.number, held)
+        return Free(
+            self.number[kept], self.scale[kept], self.low[kept], self.high[kept],
+            self.logarithm[kept],
+        )  # fmt: skip
+
     def after(
         self, before: Float[np.ndarray, " free"], step: Float[np.ndarray, " free"]
     ) -> Float[np.ndarray, " free"]:

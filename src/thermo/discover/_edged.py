@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import jax.numpy as jnp
-import numpy as np
-from jaxtyping import Float
 
 from thermo.discover._candidate import Candidate, Inclusion, with_edge
 from thermo.discover._pace import Pace
 from thermo.discover._rounds import effect_of, rms
+from thermo.discover._skin import across_skin, on_skin
 from thermo.discover._standing import BY_SHAPES, Standing, fitted, lost, share_closed
 from thermo.discover._verdict import Round
 from thermo.mesh import Mesh
@@ -53,17 +52,14 @@ def with_an_edge(
 
 
 def on_one_side(bell: Candidate, part: int, mesh: Mesh) -> Candidate:
-    """A candidate with an edge, the part at work thin across the nearest face of a mesh [m]."""
+    """A candidate with an edge, the part at work thin across the nearest face of a mesh [m].
+
+    Its middle is on the skin there, if that is flat: its strength is that of the skin then.
+    """
     even = with_edge(bell)
     assert isinstance(even.place, Inclusion), "asked of bells alone"
     thin = jnp.asarray(1 - (1 - _FLAT) * across_skin(even.place, part, mesh))
-    size = even.place.size.at[part].multiply(thin)
+    place = replace(even.place, size=even.place.size.at[part].multiply(thin))
+    middle = place.centre.at[part].set(jnp.asarray(on_skin(place, part, mesh)))
     strength = even.strength.at[part].multiply(_EVEN)
-    return replace(even, strength=strength, place=replace(even.place, size=size))
-
-
-def across_skin(place: Inclusion, part: int, mesh: Mesh) -> Float[np.ndarray, "3"]:
-    """How far each axis [1] goes across the skin where that is nearest to a place [m]."""
-    centres = mesh.nodes[mesh.faces[:, :3]].mean(1)
-    near = np.argmin(np.sum((centres - np.asarray(place.centre[part])) ** 2, axis=1))
-    return np.abs(mesh.normals[near])
+    return replace(even, strength=strength, place=replace(place, centre=middle))

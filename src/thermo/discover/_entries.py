@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import final
+from typing import Final, final
 
 import jax
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Bool, Float, Int
 
 from thermo.discover._candidate import (
     SHARPNESS,
@@ -30,6 +30,8 @@ _LARGER, _FIELD = 4.0, 0.3
 _THIN = 0.1
 # A transition stays within so many of its first widths of where it is looked for at first [1].
 _WIDTHS = 3.0
+# Axes along which a place is held [1].
+_NONE: Final = np.zeros(3, bool)
 # Logarithm of how far below its first value a coefficient is brought back at once [1].
 _FAR = 10.0
 
@@ -92,12 +94,16 @@ def entry_of(point: Extended, active: Active) -> Entry:
 
 
 def free_entries(
-    point: Extended, entry: Entry, before: Candidate, corners: Float[np.ndarray, "2 3"]
+    point: Extended,
+    entry: Entry,
+    before: Candidate,
+    corners: Float[np.ndarray, "2 3"],
+    held: Bool[np.ndarray, "3"] = _NONE,
 ) -> Free:
     """The strengths, places and sizes of a part of a candidate, each in its unit.
 
     Arguments: `before`: the candidate with its places of the first size [m, or K]; `corners`: of
-    the body's box [m].
+    the body's box [m]; `held`: axes along which a patch with an edge neither moves nor grows [1].
     """
     card, at = entry.card, numbers(point).at.candidates[entry.kind]
     count = len(entry.strengths)
@@ -116,7 +122,11 @@ def free_entries(
         before, smallest = with_edge(before), _THIN * smallest
     if before.place is not None and at.place is not None:
         parts += _of_place(at.place, before.place, entry.part, corners, smallest)
-    return joined(*parts)
+    free = joined(*parts)
+    if not held.any() or not isinstance(at.place, Inclusion):
+        return free
+    still = np.asarray([at.place.centre[entry.part], at.place.size[entry.part]])[:, held]
+    return free.but(still.astype(int))
 
 
 def _of_place(

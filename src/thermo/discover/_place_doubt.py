@@ -14,10 +14,10 @@ from thermo.discover._allowance import Allowance, beside
 from thermo.discover._bench import read_there, steps_for
 from thermo.discover._candidate import Candidate, Inclusion, Transition, Where
 from thermo.discover._conductance import taken_by
-from thermo.discover._edged import across_skin
 from thermo.discover._entries import Active, entry_of
 from thermo.discover._extended import Extended, whitened
 from thermo.discover._scores import ScoreTable, credible
+from thermo.discover._skin import across_skin
 from thermo.discover._standing import Standing, box_of, fitted, has_places, with_few_places
 
 ELSEWHERE: Final = 0.15

@@ -16,11 +16,12 @@ from scipy.stats import chi2
 from thermo._compiled import make_room
 from thermo.discover._allowance import Allowance
 from thermo.discover._bench import FINEST_LEFT, Bench, corrected, finer_runs, steps_for
-from thermo.discover._candidate import Candidate
+from thermo.discover._candidate import Candidate, Inclusion
 from thermo.discover._descent import Ended, Free, begun, descend
 from thermo.discover._entries import Active, entry_of, field_entries, free_entries, joined
 from thermo.discover._extended import Extended, moved
 from thermo.discover._projection import projection
+from thermo.discover._skin import flat_across
 from thermo.discover._slope_limits import slope_limits
 from thermo.discover._softening import error_columns, omnibus
 from thermo.discover.candidates import (
@@ -81,9 +82,15 @@ def free_of(standing: Standing) -> Free:
 
 
 def _of_part(standing: Standing, active: Active) -> Free:
-    """The entries of a part at work, free [1]: a law stays above zero at all that was read."""
+    """The entries of a part at work, free [1].
+
+    A law stays above zero at all that was read, and a patch with an edge where it is across a skin.
+    """
     entry, before = entry_of(standing.point, active), standing.first[active[0]]
-    free = free_entries(standing.point, entry, before, box_of(standing))
+    place, held = standing.point.candidates[entry.kind].place, np.zeros(3, bool)
+    if isinstance(place, Inclusion) and entry.card.edged and not entry.card.total:
+        held = flat_across(place, entry.part, standing.bench.ready.mesh)
+    free = free_entries(standing.point, entry, before, box_of(standing), held)
     if not isinstance(before, TemperatureDependentConductivity | TemperatureDependentHeatCapacity):
         return free
     stated = standing.bench.ready.stated

@@ -1,0 +1,49 @@
+"""The skin that a patch with an edge lies on."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Bool, Float
+
+from thermo.discover._candidate import Inclusion
+from thermo.mesh import Mesh
+
+# Of what a patch is where it is most, the least that counts as its own, and how far an axis goes
+# across a flat skin at the least [1].
+_ITS_OWN: Final = 0.05
+_ACROSS: Final = 0.98
+
+
+def across_skin(place: Inclusion, part: int, mesh: Mesh) -> Float[np.ndarray, "3"]:
+    """How far each axis [1] goes across the skin where that is nearest to a place [m]."""
+    return np.abs(mesh.normals[_nearest(place, part, mesh)])
+
+
+def flat_across(place: Inclusion, part: int, mesh: Mesh) -> Bool[np.ndarray, "3"]:
+    """Which axis goes straight across the skin wherever a patch lies on that; none on a round one.
+
+    Along it neither the patch's middle nor its size means anything, as what lies deeper and is
+    stronger is the same to the skin.
+    """
+    share = np.asarray(place.only(part).shapes(jnp.asarray(_centres(mesh)))[0])
+    own = np.abs(mesh.normals[share > _ITS_OWN * share.max()])
+    return np.all(own > _ACROSS, axis=0) & (len(own) > 0)
+
+
+def on_skin(place: Inclusion, part: int, mesh: Mesh) -> Float[np.ndarray, "3"]:
+    """The middle of a patch [m], moved onto the skin along an axis that goes across a flat one."""
+    nearest = _centres(mesh)[_nearest(place, part, mesh)]
+    middle = np.asarray(place.centre[part])
+    return np.where(flat_across(place, part, mesh), nearest, middle)
+
+
+def _centres(mesh: Mesh) -> Float[np.ndarray, "faces 3"]:
+    return mesh.nodes[mesh.faces[:, :3]].mean(1)
+
+
+def _nearest(place: Inclusion, part: int, mesh: Mesh) -> int:
+    apart = _centres(mesh) - np.asarray(place.centre[part])
+    return int(np.argmin(np.sum(apart**2, axis=1)))

@@ -1,0 +1,70 @@
+"""Patches on a skin that is flat there, and on one that is not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import trimesh
+from lit_box import MESH
+
+from thermo.discover import Inclusion
+from thermo.discover._skin import across_skin, flat_across, on_skin
+from thermo.mesh import Mesh, box_mesh, mesh_from_cells
+
+HEIGHT = float(MESH.nodes.max(0)[2])
+
+
+def patch(centre: tuple[float, float, float], size: tuple[float, float, float]) -> Inclusion:
+    """A patch and another one elsewhere [m]."""
+    return Inclusion(
+        jnp.asarray([centre, (0.5, 0.5, 0.5)]), jnp.asarray([size, (0.1, 0.1, 0.1)]),
+        jnp.full(2, 4.0), jnp.full(2, 8.0),
+    )  # fmt: skip
+
+
+def ball() -> Mesh:
+    """Cells from the middle of a ball of 10 mm [m] to each of its faces."""
+    made = trimesh.creation.icosphere(subdivisions=3, radius=0.01)
+    nodes = np.vstack([[[0.0, 0.0, 0.0]], np.asarray(made.vertices)])
+    cells = np.c_[np.zeros(len(made.faces), int), np.asarray(made.faces) + 1]
+    return mesh_from_cells(nodes, cells, where="ball")
+
+
+def test_a_patch_in_the_middle_of_a_side_is_held_across_it() -> None:
+    fine = box_mesh((0.02, 0.012, 0.008), (20, 12, 8))
+    place = patch((0.010, 0.006, 0.0078), (0.003, 0.002, 0.0005))
+    np.testing.assert_array_equal(flat_across(place, 0, fine), [False, False, True])
+    np.testing.assert_allclose(across_skin(place, 0, fine), [0, 0, 1], atol=1e-12)
+    np.testing.assert_allclose(on_skin(place, 0, fine), [0.010, 0.006, 0.008])
+
+
+def test_a_patch_about_an_edge_of_the_body_is_not_held() -> None:
+    fine = box_mesh((0.02, 0.012, 0.008), (20, 12, 8))
+    place = patch((0.0195, 0.006, 0.0078), (0.003, 0.002, 0.0015))
+    assert not flat_across(place, 0, fine).any()
+    np.testing.assert_allclose(on_skin(place, 0, fine), [0.0195, 0.006, 0.0078])
+
+
+@pytest.mark.parametrize(("wide", "held"), [(0.008, False), (0.0006, True)])
+def test_on_a_round_skin_only_a_small_patch_is_held(wide: float, held: bool) -> None:
+    place = patch((0.0, 0.0, 0.0099), (wide, wide, 0.002))
+    np.testing.assert_array_equal(flat_across(place, 0, ball()), [False, False, held])
+
+
+def test_a_patch_that_no_face_is_in_is_judged_by_those_that_are_nearest() -> None:
+    fine = box_mesh((0.02, 0.012, 0.008), (20, 12, 8))
+    off = patch((0.010, 0.006, 0.0060), (0.003, 0.002, 0.0017))
+    share = np.asarray(off.only(0).shapes(jnp.asarray(fine.nodes[fine.faces[:, :3]].mean(1))))
+    assert 0 < share.max() < 0.1
+    assert flat_across(off, 0, fine)[2]
+
+
+def test_another_part_has_its_own_skin() -> None:
+    both = patch((0.010, 0.006, 0.0078), (0.003, 0.002, 0.0005))
+    side = replace(both, centre=both.centre.at[1].set(jnp.asarray([0.0, 0.006, 0.004])))
+    side = replace(side, size=side.size.at[1].set(jnp.asarray([0.0005, 0.003, 0.002])))
+    fine = box_mesh((0.02, 0.012, 0.008), (20, 12, 8))
+    np.testing.assert_array_equal(flat_across(side, 1, fine), [True, False, False])
