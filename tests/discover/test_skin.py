@@ -41,11 +41,19 @@ def test_a_patch_in_the_middle_of_a_side_is_held_across_it() -> None:
     np.testing.assert_allclose(on_skin(place, 0, fine), [0.010, 0.006, 0.008])
 
 
-def test_a_patch_about_an_edge_of_the_body_is_not_held() -> None:
+def test_a_patch_that_goes_around_an_edge_of_the_body_is_not_held() -> None:
     fine = box_mesh((0.02, 0.012, 0.008), (20, 12, 8))
-    place = patch((0.0195, 0.006, 0.0078), (0.003, 0.002, 0.0015))
+    place = patch((0.0195, 0.006, 0.0075), (0.003, 0.002, 0.0030))
     assert not flat_across(place, 0, fine).any()
-    np.testing.assert_allclose(on_skin(place, 0, fine), [0.0195, 0.006, 0.0078])
+    np.testing.assert_allclose(on_skin(place, 0, fine), [0.0195, 0.006, 0.0075])
+
+
+def test_one_that_hangs_over_it_a_little_is() -> None:
+    fine = box_mesh((0.02, 0.012, 0.008), (20, 12, 8))
+    place = patch((0.0175, 0.006, 0.0078), (0.003, 0.002, 0.0007))
+    share = np.asarray(place.only(0).shapes(jnp.asarray([[0.02, 0.006, 0.0078]])))
+    assert share[0, 0] > 0.5
+    np.testing.assert_array_equal(flat_across(place, 0, fine), [False, False, True])
 
 
 @pytest.mark.parametrize(("wide", "held"), [(0.008, False), (0.0006, True)])

@@ -9,14 +9,13 @@ from pathlib import Path
 import equinox as eqx
 import numpy as np
 import pytest
-from angled import angled
 
 from thermo.errors import InputError
 from thermo.inverse import LevenbergMarquardt, Meshing, Prior, Stepping, Uniform
 from thermo.inverse import _task as module
 from thermo.inverse._body import state
 from thermo.inverse._task import FINER, Task, mesh_for, what_is_asked
-from thermo.mesh import Fine, Mesh, Sizing, box_mesh
+from thermo.mesh import Fine, Mesh, box_mesh
 from thermo.observe import Air, Box, Course, Noise, Prescribed, Run, Scene
 
 
@@ -102,39 +101,18 @@ def test_nothing_is_no_first_value(name: str, scene: Scene) -> None:
 def test_a_mesh_that_is_measured_against_is_finer_at_inner_edges(
     scene: Scene, monkeypatch: pytest.MonkeyPatch, finer: float, there: bool
 ) -> None:
-    asked: list[tuple[Fine, ...]] = []
-    monkeypatch.setattr(module, "surface_of", lambda _: angled())
+    asked: list[tuple[str, tuple[Fine, ...], float]] = []
 
-    def make_mesh(*_: object, fine: tuple[Fine, ...], finer: float) -> Mesh:
-        asked.append(fine)
-        return box_mesh((0.01, 0.01, 0.01 * finer), (1, 1, 1))
+    def maker(name: str) -> Callable[..., Mesh]:
+        def make(*_: object, fine: tuple[Fine, ...], finer: float) -> Mesh:
+            asked.append((name, fine, finer))
+            return box_mesh((0.01, 0.01, 0.01), (1, 1, 1))
 
-    monkeypatch.setattr(module, "make_mesh", make_mesh)
+        return make
+
+    for name in ("make_mesh", "mesh_to_measure"):
+        monkeypatch.setattr(module, name, maker(name))
     stated = state(scene, {"conductivity": 1.0}, 1.0)
-    own = Fine(np.zeros((1, 3)), 1e-3)
-    mesh_for(task(scene, scene.runs["lamp"]), stated, finer, (own,))
-    ((first, *more),) = asked
-    assert first is own and len(more) == there
-    for one in more:
-        np.testing.assert_allclose(one.points[:, [0, 2]], 0.01, atol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("skin", "shorter"),
-    [(0.002, 4.0), (0.004, 2.0), (0.012, None)],
-)
-def test_edges_at_inner_edges_are_as_short_as_nodes_last(
-    skin: float, shorter: float | None
-) -> None:
-    # One edge of 20 mm; that it takes more nodes than half of all others needs long cells.
-    found = module._at_inner_edges(angled(), Sizing(skin, skin, skin), FINER)
-    assert [one.edge for one in found] == ([] if shorter is None else [skin / shorter])
-
-
-def test_lengths_at_inner_edges_fall_faster_so_that_errors_fall_alike() -> None:
-    edges = []
-    for finer in (2.0, 4.0):
-        sizing = Sizing(0.002, 0.002, 0.002).divided(finer)
-        (fine,) = module._at_inner_edges(angled(), sizing, finer)
-        edges.append(fine.edge)
-    assert (edges[0] / edges[1]) ** (4 / 3) == pytest.approx(2.0**2)
+    own = (Fine(np.zeros((1, 3)), 1e-3),)
+    mesh_for(task(scene, scene.runs["lamp"]), stated, finer, own)
+    assert asked == [("mesh_to_measure" if there else "make_mesh", own, finer)]

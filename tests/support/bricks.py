@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from box_scene import SIZE
 
-from thermo.inverse import _predict, _task
+from thermo.inverse import _inner_edges, _task
 from thermo.mesh import Mesh, box_mesh
 
 
@@ -16,5 +16,5 @@ def lay_bricks(monkeypatch: pytest.MonkeyPatch, counts: tuple[int, int, int]) ->
         del fine
         return box_mesh(SIZE.tolist(), [round(finer * count) for count in counts])
 
-    for user in (_task, _predict):
+    for user in (_task, _inner_edges):
         monkeypatch.setattr(user, "make_mesh", make)

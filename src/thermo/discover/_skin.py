@@ -9,12 +9,11 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from thermo.discover._candidate import Inclusion
-from thermo.mesh import Mesh
+from thermo.mesh import Mesh, face_areas
 
-# Of what a patch is where it is most, the least that counts as its own, and how far an axis goes
-# across a flat skin at the least [1].
-_ITS_OWN: Final = 0.05
+# How far an axis goes across a flat skin at the least, and how much of a patch is on that [1].
 _ACROSS: Final = 0.98
+_MOST: Final = 0.8
 
 
 def across_skin(place: Inclusion, part: int, mesh: Mesh) -> Float[np.ndarray, "3"]:
@@ -23,14 +22,15 @@ def across_skin(place: Inclusion, part: int, mesh: Mesh) -> Float[np.ndarray, "3
 
 
 def flat_across(place: Inclusion, part: int, mesh: Mesh) -> Bool[np.ndarray, "3"]:
-    """Which axis goes straight across the skin wherever a patch lies on that; none on a round one.
+    """Which axis goes straight across the skin where most of a patch lies; none on a round one.
 
     Along it neither the patch's middle nor its size means anything, as what lies deeper and is
     stronger is the same to the skin.
     """
     share = np.asarray(place.only(part).shapes(jnp.asarray(_centres(mesh)))[0])
-    own = np.abs(mesh.normals[share > _ITS_OWN * share.max()])
-    return np.all(own > _ACROSS, axis=0) & (len(own) > 0)
+    covered = share * face_areas(mesh)
+    there = covered @ (np.abs(mesh.normals) > _ACROSS)
+    return (there >= _MOST * covered.sum()) & (there > 0)
 
 
 def on_skin(place: Inclusion, part: int, mesh: Mesh) -> Float[np.ndarray, "3"]:

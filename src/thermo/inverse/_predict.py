@@ -16,13 +16,13 @@ from thermo.inverse._addition import Addition
 from thermo.inverse._body import (
     Meshing,
     check_values,
-    make_mesh,
     sizing_of,
     state,
     surface_of,
 )
 from thermo.inverse._estimate import Estimate, RecoveredField, load_estimate, saved_effects
 from thermo.inverse._forward import Prediction, forward
+from thermo.inverse._inner_edges import mesh_to_measure
 from thermo.inverse._properties import (
     Stated,
     Values,
@@ -128,7 +128,7 @@ def predict(
     asked = _Asked(scene.folder, stated, meshing.order, tolerance, additions or ())
 
     def on_edges(by: float) -> list[Prediction]:
-        mesh = make_mesh(scene, surface, least, meshing, finer=by)
+        mesh = mesh_to_measure(scene, surface, least, meshing, finer=by)
         carried = {"spatial": carry_over(fields, old, mesh)}
         if by == finer:
             carried["median"] = medians(fields, old, mesh)
@@ -213,7 +213,7 @@ def simulate(
     say(f"simulating {run}: meshing and compiling come first")
 
     def made(finer: float) -> Prediction:
-        mesh = make_mesh(scene, surface, stated.of("diffusivity"), meshing, finer=finer)
+        mesh = mesh_to_measure(scene, surface, stated.of("diffusivity"), meshing, finer=finer)
         body = properties(stated, {}, len(mesh.cells), len(mesh.faces))
         steps = free_grid(mesh, body, picked, tolerance=tolerance)
         return forward(mesh, meshing.order, picked, {"stated": body}, steps, where)

@@ -19,29 +19,23 @@ from thermo.inverse._body import (
     check_values,
     make_mesh,
     scan_conductivity,
-    sizing_of,
     state,
     surface_of,
 )
 from thermo.inverse._field_choice import AbstractFieldChoice
+from thermo.inverse._inner_edges import mesh_to_measure
 from thermo.inverse._objective import FieldPrior
 from thermo.inverse._optimiser import AbstractOptimiser
 from thermo.inverse._properties import Stated, check_unknowns
 from thermo.inverse._selection import select_fit_runs, select_unknowns
 from thermo.inverse._smoothing import WEAK_STEP
 from thermo.inverse._stepping import Stepping, fit_frames, planned_steps
-from thermo.mesh import Fine, Mesh, Sizing, Surface, expected_nodes, inner_edges
+from thermo.mesh import Fine, Mesh
 from thermo.observe import Run, Scene, read_scene
 from thermo.physics import TimeGrid
 
 FINER: Final = 2.0
 """Edges and surface tolerance of a fit's mesh over those of one that it is measured against [1]."""
-
-# Other edges of a mesh twice as fine over those at inner edges of the surface, quadratic nodes that
-# a point there takes [1], counted on a cup, and the most that all may add to a mesh [1].
-_SHORTER: Final = 4.0
-_NODES_EACH: Final = 110
-_MORE: Final = 0.5
 
 
 @final
@@ -197,29 +191,9 @@ def mesh_for(task: Task, stated: Stated, finer: float = 1.0, fine: tuple[Fine, .
 
     `fine`: where they are shorter still; so they are at inner edges of a mesh that is measured on.
     """
-    scene, surface, diffusivity = task.scene, surface_of(task.scene), stated.of("diffusivity")
-    if finer >= FINER:
-        sizing = sizing_of(scene, surface, diffusivity, task.meshing).divided(finer)
-        fine = (*fine, *_at_inner_edges(surface, sizing, finer))
-    return make_mesh(scene, surface, diffusivity, task.meshing, finer=finer, fine=fine)
-
-
-def _at_inner_edges(surface: Surface, sizing: Sizing, finer: float) -> tuple[Fine, ...]:
-    """Shorter edges [m] where a surface turns inward, if it has few such places.
-
-    What cells make wrong there falls as h^(4/3) at a right angle, and as h^2 elsewhere: lengths h
-    that fall there as `finer`^(3/2) let all of it fall alike, as is assumed of what meshes leave.
-
-    Source: Strang and Fix, An Analysis of the Finite Element Method (1973), chapter 8.
-    """
-    for shorter in (_SHORTER, _SHORTER / 2):
-        edge = sizing.skin / (shorter * np.sqrt(finer / FINER))
-        points = inner_edges(surface, edge)
-        if not len(points):
-            break
-        if _NODES_EACH * len(points) <= _MORE * expected_nodes(surface, sizing):
-            return (Fine(points, edge),)
-    return ()
+    made = make_mesh if finer < FINER else mesh_to_measure
+    body = task.scene, surface_of(task.scene), stated.of("diffusivity")
+    return made(*body, task.meshing, finer=finer, fine=fine)
 
 
 def lay_out(task: Task, mesh: Mesh, stated: Stated) -> Ready:
