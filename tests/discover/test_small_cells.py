@@ -16,7 +16,7 @@ from thermo.discover import _small_cells as module
 from thermo.discover._bench import Bench
 from thermo.discover._extended import Extended
 from thermo.discover._pace import silent
-from thermo.discover.candidates import CameraDrift, HiddenSource, Void
+from thermo.discover.candidates import CameraDrift, HiddenSource, SupportContact, Void
 from thermo.errors import InputError
 from thermo.inverse import Ready
 
@@ -26,7 +26,9 @@ PLACE = Place(jnp.zeros((1, 3)), jnp.ones(1))
 def test_the_thinnest_place_at_work_is_that_of_a_void_along_its_shortest_axis() -> None:
     flat = within((0.0, 0.0, 0.0), [0.004, 0.005, 0.003])
     lag = CameraDrift(jnp.ones(1))
-    point = Extended({}, (Void(jnp.ones(1), flat), lag, HiddenSource(jnp.ones(1), PLACE)))
+    foot = SupportContact(jnp.ones(6), Place(None, jnp.full(6, 1e-6)))
+    source = HiddenSource(jnp.ones(1), PLACE)
+    point = Extended({}, (Void(jnp.ones(1), flat), lag, source, foot))
 
     def at_work(*names: str) -> Standing:
         made = standing(60.0, 2, active=tuple((name, 0) for name in names))
@@ -37,6 +39,8 @@ def test_the_thinnest_place_at_work_is_that_of_a_void_along_its_shortest_axis() 
     assert module.thinnest(at_work("hidden_source", "void")) == pytest.approx(0.003)
     assert module.thinnest(at_work("hidden_source")) == 1.0
     assert module.placed(at_work("void")) and not module.placed(at_work(lag.card.name))
+    assert module.thinnest(at_work("hidden_source", "support_contact")) == 1.0, "cuts faces"
+    assert module.placed(at_work("support_contact"))
     edges = module.edges(at_work("hidden_source", "void"))
     np.testing.assert_array_equal(edges, flat.edge(0))
     assert len(module.edges(at_work("hidden_source"))) == 0

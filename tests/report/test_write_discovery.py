@@ -149,10 +149,12 @@ def test_a_film_is_told_over_all_of_its_place() -> None:
 def test_a_support_is_told_with_its_side_and_depth() -> None:
     made = verdict("named")
     (one,) = made.rounds
-    foot = replace(one.effect, card=SupportContact.card, side="-z", depth=6e-6)
-    told = discovery_record(replace(made, rounds=[replace(one, effect=foot)]))
-    assert (told["rounds"][0]["side"], told["rounds"][0]["depth"]) == ("-z", 6e-6)
-    assert "W/m2/K [1.211, 1.289], at the side -z, to a depth of 0.006 mm." in told["sentences"][0]
+    told = "W/m2/K [1.211, 1.289], at the side -z"
+    for depth, more in [(6e-4, ", to a depth of 0.6 mm."), (6e-6, ". Its strength")]:
+        foot = replace(one.effect, card=SupportContact.card, side="-z", depth=depth, size=0.02)
+        made = discovery_record(replace(verdict("named"), rounds=[replace(one, effect=foot)]))
+        assert (made["rounds"][0]["side"], made["rounds"][0]["depth"]) == ("-z", depth)
+        assert told + more in made["sentences"][0]
 
 
 def test_where_nothing_explains_the_gap_residuals_are_those_of_the_stated_model() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
 
@@ -9,11 +10,12 @@ import numpy as np
 from jaxtyping import Float
 
 from thermo.discover._bench import edge_of, resolved
-from thermo.discover._candidate import Inclusion, Place
+from thermo.discover._candidate import Candidate, Inclusion, Place
 from thermo.discover._pace import Pace
 from thermo.discover._rounds import rms
 from thermo.discover._standing import BY_SHAPES, Standing, fitted, share_closed
 from thermo.discover._verdict import Round
+from thermo.discover.candidates import SupportContact
 from thermo.errors import InputError
 
 _BURST: Final = (
@@ -62,17 +64,24 @@ def on_small_cells(
 
 def placed(standing: Standing) -> bool:
     """Whether an effect with a place [m] is at work."""
-    return thinnest(standing) < np.inf
+    return any(True for _ in _sizes(standing))
 
 
 def thinnest(standing: Standing) -> float:
-    """The least size of a place at work [m], infinite where there is none."""
-    found = [np.inf]
+    """The least size of a place at work that cells have to resolve [m]; infinite without one.
+
+    A footprint cuts faces wherever it ends: however small its depth is, it asks for no cells.
+    """
+    sizes = (size for one, size in _sizes(standing) if not isinstance(one, SupportContact))
+    return min(sizes, default=np.inf)
+
+
+def _sizes(standing: Standing) -> Iterator[tuple[Candidate, float]]:
+    """Of each place at work in the body its candidate and its least size [m]."""
     for name, part in standing.active:
-        place = next(one.place for one in standing.point.candidates if one.card.name == name)
-        if isinstance(place, Place | Inclusion):
-            found.append(float(np.min(np.asarray(place.size)[part])))
-    return min(found)
+        one = next(one for one in standing.point.candidates if one.card.name == name)
+        if isinstance(one.place, Place | Inclusion):
+            yield one, float(np.min(np.asarray(one.place.size)[part]))
 
 
 def edges(standing: Standing) -> Float[np.ndarray, "points 3"]:

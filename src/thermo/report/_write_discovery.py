@@ -33,6 +33,8 @@ from ._versions import versions
 
 # The share of cases whose strength stands for the others [1].
 _MOSTLY: Final = 0.8
+# Depth over which a support reaches up from a side, over how wide that is, that is nothing [1].
+_FLAT: Final = 0.01
 
 
 def discovery_record(found: Verdict) -> dict[str, Any]:
@@ -261,7 +263,9 @@ def _named(effect: Effect) -> str:
         place = f", at ({at}) mm"
     if effect.side is not None:
         place = f", at the side {effect.side}"
-    if effect.depth is not None:
+    # A support that ends with a flat side reaches no deeper.
+    flat = effect.side is not None and (effect.depth or 0.0) < _FLAT * (effect.size or 0.0)
+    if effect.depth is not None and not flat:
         place += f", to a depth of {1e3 * effect.depth:.2g} mm"
     if effect.transition is not None:
         place = ", at {:.4g} K, over {:.2g} K".format(*effect.transition)

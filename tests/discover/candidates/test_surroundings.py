@@ -111,6 +111,31 @@ def test_more_convection_on_a_patch_cools_the_patch_most() -> None:
     assert moved[-1, under_it] < 2 * moved[-1, far] < 0
 
 
+@pytest.mark.parametrize("depth", [1e-9, 4e-6])
+def test_a_flat_side_is_all_in_contact_where_nodes_lie_off_it(depth: float) -> None:
+    fine = box_mesh((0.020, 0.012, 0.008), (5, 3, 2))
+    noise = np.random.default_rng(3).uniform(-2e-5, 2e-5, len(fine.nodes))
+    nodes = fine.nodes.copy()
+    nodes[:, 2] += noise
+    off = discretise(replace(fine, nodes=nodes))
+    film = np.asarray(supported(on_side(2, 1.0), depth)._footprints(off))
+    areas = (film * np.asarray(off.face_weight)[..., None]).sum((0, 1))
+    # And of the walls beside it no more than the depth takes.
+    for side in (2, 5):
+        assert 0.020 * 0.012 <= areas[side] * (1 + 1e-5) <= 0.020 * 0.012 + 0.064 * depth + 1e-8
+
+
+@pytest.mark.parametrize("tilt", [0.02, 0.2])
+def test_a_side_that_leans_is_in_contact_where_it_ends(tilt: float) -> None:
+    fine = box_mesh((0.020, 0.012, 0.008), (5, 3, 2))
+    turn = np.array([[np.cos(tilt), 0, -np.sin(tilt)], [0, 1, 0], [np.sin(tilt), 0, np.cos(tilt)]])
+    leaning = discretise(replace(fine, nodes=fine.nodes @ turn.T, normals=fine.normals @ turn.T))
+    film = np.asarray(supported(on_side(2, 1.0), 4e-6)._footprints(leaning))[..., 2]
+    area = float((film * np.asarray(leaning.face_weight)).sum())
+    # A line of 12 mm along the edge, as wide as both sides that meet there go up by the depth.
+    assert area < 1.2 * 0.012 * 4e-6 * (1 / np.sin(tilt) + 1 / np.cos(tilt))
+
+
 @pytest.mark.parametrize("name", ["radiation", "local_convection", "evaporation", "ambient_drift"])
 def test_what_air_and_surroundings_take_stops_where_it_is_insulated(name: str) -> None:
     left = solved(MADE[name](0.5).to_model(bare(wrapped()), wrapped()), wrapped())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import ClassVar, final
+from typing import ClassVar, Final, final
 
 import equinox as eqx
 import jax
@@ -23,6 +23,11 @@ from thermo.physics.effects import (
     Radiation,
     value_at,
 )
+
+# Cosine of the angle to a side within which a face of the surface is a part of it, and how far off
+# its end a mesh may lie, over the diagonal of the body [1].
+_FLAT: Final = 1 - 1e-5
+_OFF: Final = 4e-3
 
 Time = float | Float[Array, ""]
 
@@ -83,7 +88,8 @@ class SupportContact(AbstractHeatCandidate):
 
     q = strength (T_support - T) where the surface lies within `depth` of the side's end of the
     body; the support is as warm as the surroundings. Sides are -x, -y, -z, +x, +y, +z, and the
-    sizes of their places the depths: next to nothing where a support ends with a flat side.
+    sizes of their places the depths: next to nothing where a support ends with a flat side, all of
+    which is in contact then, though nodes lie off it by more.
 
     Source: Carslaw and Jaeger, Conduction of Heat in Solids, section 1.9.
     """
@@ -107,6 +113,10 @@ class SupportContact(AbstractHeatCandidate):
         nodes = jnp.asarray(space.mesh.nodes)
         corners = nodes[space.mesh.faces[:, :3]]
         height = jnp.concatenate([corners - nodes.min(0), nodes.max(0) - corners], axis=-1)
+        normals = jnp.asarray(space.mesh.normals)
+        ends = jnp.concatenate([-normals, normals], axis=-1) >= _FLAT
+        ends &= height.max(1) <= _OFF * jnp.linalg.norm(jnp.ptp(nodes, axis=0))
+        height = jnp.where(ends[:, None], 0.0, height)
         points, _ = triangle_rule(space.mesh.order)
         return jnp.einsum("qc,fcs->fqs", points, covered(height, self.place.size))
 
