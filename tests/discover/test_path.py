@@ -187,7 +187,7 @@ def test_beside_a_place_that_leaves_no_misfit_only_what_is_clear_of_it_is_looked
     assert path.word == "named" and len(path.rounds) == count
     # Where shapes are quiet beside a place, and there alone.
     assert len(asked) == (0 if left > 100 else min(count, 2))
-    assert ("nothing more was looked for" in "".join(path.remarks)) is (count < 3)
+    assert ("Nothing more was looked for" in "".join(path.remarks)) is (count < 3)
 
 
 @pytest.mark.parametrize(
@@ -345,8 +345,8 @@ def test_the_largest_score_that_is_not_followed_is_told_in_thresholds() -> None:
     # The largest of all is to a side on which its strength cannot be.
     left_aside = beside(table_of(4.42), table_of(-9.0, Void.card))
     told = _path._fine(replace(table_of(0.0), scores=[], unfollowed=left_aside.scores))
-    assert "passed the threshold 2 times (camera_drift, 1.3), and nothing more" in told
-    assert "threshold 2 times, and nothing more" in _path._fine(replace(table_of(0.0), scores=[]))
+    assert "scores 2 thresholds or more: the largest, camera_drift, 1.3. Nothing more" in told
+    assert "or more. Nothing more was" in _path._fine(replace(table_of(0.0), scores=[]))
 
 
 @pytest.mark.parametrize(

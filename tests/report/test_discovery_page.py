@@ -89,7 +89,9 @@ def record(verdict: str, **more: Any) -> dict[str, Any]:
         "held_out": {"other & all": other, "calm": calm},
         "numerics": {"cells_and_steps_K": {"lamp": 0.0071, "dark": 0.0012}},
         "noise": {"lamp": 0.051, "dark": 0.049},
-        "parameters": {"conductivity": {"before": 0.25, "after": 0.2}},
+        "parameters": {
+            "conductivity": {"before": 0.25, "after": 0.2, "interval95": [0.1913, 0.2091]}
+        },
         "p_value": {"without": 0.0, "with": 0.42},
         "could_have_missed": {
             "void": {"strength": None, "unit": "1", "found_in": {"0.5": 0.8, "0.8": None}},
@@ -244,7 +246,7 @@ def test_a_record_of_nothing_and_of_nulls_is_rendered() -> None:
     assert "No parameter was fitted." in page and "Nothing that was looked for." in page
     one = candidate("void", 5.0) | {"score": None, "strength": None, "sd": None, "unit": "W"}
     bare = record("no_gap", candidates=[one], seconds=None)
-    bare["parameters"]["made_up"] = {"before": 0.0, "after": None}
+    bare["parameters"]["made_up"] = {"before": 0.0, "after": None, "interval95": None}
     cells = _Checker(discovery_page(bare, "A block")).cells
     assert "not known ± not known W" in cells and cells.count("not known") == 3
 

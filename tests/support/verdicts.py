@@ -104,6 +104,7 @@ def verdict(word: str) -> Verdict:
         cells={"lamp": 0.004, "cooling": 0.001},
         noise={"lamp": 0.05, "cooling": 0.05},
         parameters={"conductivity": (2.2, 2.0)},
+        intervals={} if word == "none_of_mine" else {"conductivity": (1.9, 2.1)},
         alias={"hidden_source": {"hidden_source": 1.0}},
         omnibus=(1e-9, 0.4),
         misfits=(

@@ -31,6 +31,7 @@ from thermo.discover._memory import memory_of
 from thermo.discover._met import estimate_of
 from thermo.discover._misfit import Misfit, misfits
 from thermo.discover._pace import MEASURE, Pace
+from thermo.discover._parameters import parameter_intervals, parameters
 from thermo.discover._path import SearchPath, search
 from thermo.discover._power import powers
 from thermo.discover._registered import registered
@@ -50,7 +51,6 @@ from thermo.inverse import (
     defect_sizes,
     unfitted,
     with_defects,
-    with_fields,
 )
 from thermo.observe import Scene
 
@@ -141,7 +141,8 @@ def _answer(path: SearchPath, proof: Mapping[str, HeldOut], left: Apart, seconds
         missed={name: one for name, one in powers(path.table).items() if name not in named},
         cells=_sizes(begun, left),
         noise=_noise(begun),
-        parameters=_parameters(begun, path.standing),
+        parameters=parameters(begun, path.standing),
+        intervals={} if path.word == "none_of_mine" else parameter_intervals(path.standing),
         alias=aliases(path.table),
         calibration=path.calibrated,
         misfits=(_misfits(begun), _misfits(path.standing)),
@@ -233,12 +234,3 @@ def _sizes(begun: Standing, left: Apart) -> dict[str, float]:
     """Root mean square of what a fit's usual cells and steps make wrong, by run [K]."""
     found = defect_sizes(with_defects(begun.bench.coarse, left))
     return {begun.bench.task.runs[number].name: size for number, size in found.items()}
-
-
-def _parameters(begun: Standing, last: Standing) -> dict[str, tuple[float, float]]:
-    """The fields' values before and after [SI]."""
-    before, after = (with_fields(one.bench.coarse, one.point.fields) for one in (begun, last))
-    return {
-        name: (float(one.control_values()[0]), float(after[name].control_values()[0]))
-        for name, one in before.items()
-    }

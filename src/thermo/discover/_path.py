@@ -62,7 +62,7 @@ _PART: Final = 0.25
 _FINE: Final = (
     "What is left in smooth shapes is no more than noise and what the shapes of places may make "
     f"wrong, {100 * ELSEWHERE:g} % of an effect elsewhere. Scores beside a place come from its "
-    f"edges as well; none of what is all over the body passed the threshold {CLEAR:g} times"
+    f"edges as well; of what is all over the body none scores {CLEAR:g} thresholds or more"
 )
 # What the finer cells are still wrong by may pass the threshold, hardly so many times [1].
 _SLIGHT: Final = 3.0
@@ -281,8 +281,8 @@ def _fine(table: ScoreTable) -> str:
     """What to say where scores beside a place are not followed, if there are such."""
     could_be = [one for one in table.unfollowed if credible(one, 0.0)]
     largest = next(iter(best_of_kinds(could_be)), None)
-    told = "" if largest is None else f" ({largest.name()}, {abs(largest.z) / table.threshold:.2g})"
-    return f"{_FINE}{told}, and nothing more was looked for."
+    told = largest and f": the largest, {largest.name()}, {abs(largest.z) / table.threshold:.2g}"
+    return f"{_FINE}{told or ''}. Nothing more was looked for."
 
 
 def _absent(one: Round | None, calm: bool) -> bool:

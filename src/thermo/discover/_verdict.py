@@ -145,7 +145,9 @@ class Verdict:
       was stated.
     - `cells`: what a fit's usual cells and steps make wrong, by run [K]; it is taken off, and a
       third of it is allowed for.
-    - `noise`: of a reading by run [K]; `parameters`: medians of the fields before and after [SI].
+    - `noise`: of a reading by run [K].
+    - `parameters`: values of the fields before and after [SI]; `intervals`, in which those after
+      are in 95 % of cases: none where nothing explains the gap.
     - `alias`: how alike the best parts of two kinds are, beside the unknowns [1].
     - `omnibus`: probability of as large a misfit in smooth shapes without and with effects [1].
     - `calibration`: how often an alarm would be false on such runs, by simulation [1].
@@ -164,6 +166,7 @@ class Verdict:
     cells: Mapping[str, float]
     noise: Mapping[str, float]
     parameters: Mapping[str, tuple[float, float]]
+    intervals: Mapping[str, tuple[float, float]]
     alias: Mapping[str, Mapping[str, float]] = field(repr=False)
     omnibus: tuple[float, float]
     calibration: Calibration = field(repr=False)

@@ -307,10 +307,15 @@ def _parameters(record: Record) -> str:
         return _note("No parameter was fitted.")
     rows = [
         [spoken(name), *(_amount(_number(one[key]), _unit(name)) for key in ("before", "after")),
-         _change(one["before"], one["after"])]
+         _ends(one["interval95"]), _change(one["before"], one["after"])]
         for name, one in found.items()
     ]  # fmt: skip
-    return _table(["unknown", "before", "after", "change"], rows, ["parameter"] * len(rows))
+    heads = ["unknown", "before", "after", "95 %", "change"]
+    return _table(heads, rows, ["parameter"] * len(rows))
+
+
+def _ends(interval: list[float] | None) -> str:
+    return "no measurement" if interval is None else " to ".join(_number(one) for one in interval)
 
 
 def _unit(name: str) -> str:

@@ -62,7 +62,11 @@ def discovery_record(found: Verdict) -> dict[str, Any]:
         "numerics": {"cells_and_steps_K": dict(found.cells)},
         "noise": dict(found.noise),
         "parameters": {
-            name: {"before": before, "after": after}
+            name: {
+                "before": before,
+                "after": after,
+                "interval95": list(found.intervals[name]) if name in found.intervals else None,
+            }
             for name, (before, after) in found.parameters.items()
         },
         "p_value": {"without": found.omnibus[0], "with": found.omnibus[1]},
