@@ -23,7 +23,7 @@ from thermo.discover._path import SearchPath, search, twice
 from thermo.discover._refits import Refit
 from thermo.discover._scores import Score, ScoreTable
 from thermo.discover._standing import Standing
-from thermo.discover.candidates import CameraDrift, Void
+from thermo.discover.candidates import CameraDrift, SupportContact, Void
 from thermo.inverse import Ready
 
 from .lit_objective import box_task, objective
@@ -375,3 +375,13 @@ def test_the_simplest_is_put_first_unless_fine_cells_cannot_take_it(
         assert found[0].standing is measured and found[1] is best
     else:
         assert found == [best]
+
+
+def test_what_is_put_to_work_is_told_with_its_strength_and_place() -> None:
+    told: list[str] = []
+    one = one_round(["hidden_source", "sensor_lag"], 0.9)
+    _path._told(one, Pace(told.append))
+    assert told[-1].startswith("put to work: hidden_source 1.25 W at (10.0, 0.0, 4.0) mm or sensor")
+    side = replace(one, effect=replace(one.effect, card=SupportContact.card, side="-z"))
+    _path._told(side, Pace(told.append))
+    assert "support_contact 1.25 W/m2/K at -z or hidden_source or sensor_lag; lamp " in told[-1]

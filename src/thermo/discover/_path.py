@@ -174,10 +174,16 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace, *, rough: b
 
 
 def _told(one: Round, pace: Pace) -> Round:
-    """The round itself, told with what it leaves by run [K]."""
+    """The round itself, told with its best effect, not at its end yet, and what is left [K]."""
     before, after = one.rms_before, one.rms_after
     left = ", ".join(f"{run} {before[run]:.3g} to {after[run]:.3g} K" for run in before)
-    pace.step(f"put to work: {' or '.join(one.together)}; {left}")
+    best = one.effect
+    unit = "" if best.card.unit == "1" else f" {best.card.unit}"
+    at = "" if best.side is None else f" at {best.side}"
+    if best.side is None and best.centre is not None:
+        at = f" at ({', '.join(f'{1e3 * way:.1f}' for way in best.centre)}) mm"
+    others = "".join(f" or {name}" for name in one.together if name != best.card.name)
+    pace.step(f"put to work: {best.card.name} {best.strength:.3g}{unit}{at}{others}; {left}")
     return one
 
 
