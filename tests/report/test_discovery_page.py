@@ -186,6 +186,7 @@ def test_a_named_effect_is_told_with_its_strength_and_place() -> None:
            "below 1e-300", "98.7 %", "lamp: 0.753 to 0.0521; dark: 0.2 to 0.05"]  # fmt: skip
     assert cells[: len(row)] == row
     assert "below 1e-300 before the first round, 0.42 after the last" in page
+    assert "0.1913 to 0.2091" in page
     begin = cells.index("+812") - 1
     assert cells[begin : begin + 7] == [
         "hidden source", "+812", "0.123 ± 0.012 W", "43.2 %", "0.0 %", "what is like hidden_source",
@@ -249,6 +250,7 @@ def test_a_record_of_nothing_and_of_nulls_is_rendered() -> None:
     bare["parameters"]["made_up"] = {"before": 0.0, "after": None, "interval95": None}
     cells = _Checker(discovery_page(bare, "A block")).cells
     assert "not known ± not known W" in cells and cells.count("not known") == 3
+    assert cells.count("no measurement") == 1
 
 
 def test_scores_over_more_than_two_decades_have_a_logarithmic_axis() -> None:

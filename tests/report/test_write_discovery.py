@@ -134,6 +134,16 @@ def test_what_reads_alike_is_told_beside_an_effect() -> None:
         assert told["sentences"][0].endswith(f"at (10.0, 0.0, 4.0) mm.{middle}{ending}")
 
 
+@pytest.mark.parametrize(
+    ("word", "interval"), [("named", [1.9, 2.1]), ("no_gap", [1.9, 2.1]), ("none_of_mine", None)]
+)
+def test_an_unknown_has_an_interval_unless_nothing_explains_the_gap(
+    word: str, interval: list[float] | None
+) -> None:
+    found = discovery_record(verdict(word))["parameters"]
+    assert found == {"conductivity": {"before": 2.2, "after": 2.0, "interval95": interval}}
+
+
 def test_a_film_is_told_over_all_of_its_place() -> None:
     made = verdict("named")
     (one,) = made.rounds

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from thermo.discover._candidate import Inclusion
-from thermo.mesh import Mesh, face_areas
+from thermo.mesh import Mesh, face_areas, face_centres
 
 # How far an axis goes across a flat skin at the least, and how much of a patch is on that [1].
 _ACROSS: Final = 0.98
@@ -27,7 +27,7 @@ def flat_across(place: Inclusion, part: int, mesh: Mesh) -> Bool[np.ndarray, "3"
     Along it neither the patch's middle nor its size means anything, as what lies deeper and is
     stronger is the same to the skin.
     """
-    share = np.asarray(place.only(part).shapes(jnp.asarray(_centres(mesh)))[0])
+    share = np.asarray(place.only(part).shapes(jnp.asarray(face_centres(mesh)))[0])
     covered = share * face_areas(mesh)
     there = covered @ (np.abs(mesh.normals) > _ACROSS)
     return (there >= _MOST * covered.sum()) & (there > 0)
@@ -35,15 +35,11 @@ def flat_across(place: Inclusion, part: int, mesh: Mesh) -> Bool[np.ndarray, "3"
 
 def on_skin(place: Inclusion, part: int, mesh: Mesh) -> Float[np.ndarray, "3"]:
     """The middle of a patch [m], moved onto the skin along an axis that goes across a flat one."""
-    nearest = _centres(mesh)[_nearest(place, part, mesh)]
+    nearest = face_centres(mesh)[_nearest(place, part, mesh)]
     middle = np.asarray(place.centre[part])
     return np.where(flat_across(place, part, mesh), nearest, middle)
 
 
-def _centres(mesh: Mesh) -> Float[np.ndarray, "faces 3"]:
-    return mesh.nodes[mesh.faces[:, :3]].mean(1)
-
-
 def _nearest(place: Inclusion, part: int, mesh: Mesh) -> int:
-    apart = _centres(mesh) - np.asarray(place.centre[part])
+    apart = face_centres(mesh) - np.asarray(place.centre[part])
     return int(np.argmin(np.sum(apart**2, axis=1)))
