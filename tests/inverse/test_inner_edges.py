@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from angled import angled
+from box_scene import SIZE
 
-from thermo.inverse import Meshing
+from thermo.inverse import Meshing, _predict
 from thermo.inverse import _inner_edges as module
 from thermo.inverse._inner_edges import at_inner_edges, mesh_to_measure
 from thermo.mesh import Fine, Mesh, Sizing, box_mesh
@@ -54,3 +55,18 @@ def test_a_mesh_is_made_with_them_beside_others(
     ((first, added),) = asked
     assert first is own
     np.testing.assert_allclose(added.points[:, [0, 2]], 0.01, atol=1e-12)
+
+
+def test_what_is_simulated_is_on_such_a_mesh_and_on_one_half_as_fine(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[float] = []
+
+    def mesh_to_measure(*_: object, finer: float) -> Mesh:
+        asked.append(finer)
+        return box_mesh(SIZE.tolist(), [round(2 * finer)] * 3)
+
+    monkeypatch.setattr(_predict, "mesh_to_measure", mesh_to_measure)
+    found = _predict.simulate(scene, "lamp", values={"conductivity": 2.0})
+    assert sorted(asked) == [0.5, 1.0]
+    assert np.isfinite(found.temperature).all() and found.cells.max() > 0

@@ -24,8 +24,8 @@ from thermo.physics.effects import (
     value_at,
 )
 
-# Cosine of the angle to a side within which a face of the surface is a part of it, and how far off
-# its end a mesh may lie, over the diagonal of the body [1].
+# Cosine of the angle to a side within which a face of the surface is a part of it, and over the
+# diagonal of the body twice how far the loosest mesh lies off its surface [1].
 _FLAT: Final = 1 - 1e-5
 _OFF: Final = 4e-3
 
