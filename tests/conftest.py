@@ -21,7 +21,13 @@ def keep_to_one_core() -> None:
         os.sched_setaffinity(0, {cores[int(worker.removeprefix("gw")) % len(cores)]})
 
 
+# Programs of tests run once and on little, and most of the suite is compiling: LLVM optimises
+# nothing, and kernels are written the shorter way, as `thermo._compiled` asks for. Read when the
+# first program is compiled, and by processes that tests start; what the user asks for stays.
+QUICK = "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
+
 keep_to_one_core()
+os.environ["XLA_FLAGS"] = f"{QUICK} {os.environ.get('XLA_FLAGS', '')}".strip()
 jax.config.update("jax_enable_x64", True)
 matplotlib.use("Agg")
 

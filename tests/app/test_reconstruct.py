@@ -17,10 +17,13 @@ from thermo.errors import InputError
 from thermo.imaging import View, pixel_centres, rays, read_cameras, write_transforms
 from thermo.mesh import read_surface
 from thermo.reconstruct import MetricScale
+from thermo.report import _figure_turntable
+from thermo.report._figure_turntable import VIEWS as SIDES
 
 from .conftest import Command
 
 UNIT = 0.04  # m, of the file of cameras
+EDGE = 64  # pixels
 SMALL = (
     "training.steps=300", "training.rays=192", "training.cells=[8,16]", "training.width=32",
     "training.rate=0.01", "training.search=16", "training.sections=16", "triangles=600",
@@ -70,8 +73,9 @@ def stood(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def rebuilt(command: Command, pictures: Path, stood: Path) -> Path:
-    """A ball in metres, by depths, with one photograph left out."""
+def rebuilt(command: Command, pictures: Path, stood: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A ball in metres, by depths, with one photograph left out; its pictures are small."""
+    monkeypatch.setattr(_figure_turntable, "_EDGE", EDGE)
     if not stood.exists():
         outcome = command(
             "reconstruct", f"cameras={pictures / 'transforms.json'}", f"out={stood}",
@@ -102,7 +106,7 @@ def test_it_leaves_a_surface_in_metres_and_how_it_came_about(rebuilt: Path) -> N
     assert record["surface"]["volume"] == pytest.approx(surface.volume(), rel=1e-6)
     assert record["configuration"]["training"]["steps"] == 300
     with Image.open(rebuilt / "turntable.png") as shown:
-        assert shown.size[0] > shown.size[1] > 100
+        assert shown.size == (SIDES * EDGE, 2 * EDGE)
 
 
 def test_register_takes_its_folder_and_how_well_its_scale_is_known(

@@ -38,8 +38,9 @@ def test_lines_that_cross_nothing(start: list[float], proposed: int) -> None:
     assert not found.crossed[0]
 
 
-def test_a_triangle_seen_edge_on_is_passed() -> None:
-    edge_on = np.array([[0.0, 0, 0], [0, 0, 1], [0, 1, 0]])
+@pytest.mark.parametrize("second", [[0.0, 0, 1], [0.0, 1, 0.5]])
+def test_a_triangle_seen_edge_on_is_passed(second: list[float]) -> None:
+    edge_on = np.array([[0.0, 0, 0], second, [0, 1, 0]])
     corners = np.stack([edge_on, CORNERS[0]])
     found = crossings(
         corners,

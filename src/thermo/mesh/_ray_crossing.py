@@ -80,7 +80,8 @@ def _on_planes(
         u = np.einsum("ij,ij->i", apart, beside) * volume
         v = np.einsum("ij,ij->i", lines, turned) * volume
         along = np.einsum("ij,ij->i", second, turned) * volume
-    return np.stack([1.0 - u - v, u, v], axis=1), along
+        # Of a triangle seen edge on both may be infinite.
+        return np.stack([1.0 - u - v, u, v], axis=1), along
 
 
 def neighbours_across(triangles: Int[np.ndarray, "triangles 3"]) -> Int[np.ndarray, "triangles 3"]:
