@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
 from typing import Any
 
 import jax.numpy as jnp
@@ -57,11 +56,10 @@ def small_cells(
     after: float = 0.05,
     fault: InputError | None = None,
     burst: float | None = None,
-    theirs: bool = True,
 ) -> list[str]:
     """What is said where an effect of size one leaves so much in smooth shapes.
 
-    On smaller cells simulations may `burst`, and leave so much; what is left may be `theirs`.
+    On smaller cells simulations may `burst`, and leave so much.
     """
 
     def resolved(bench: Bench, _: Any) -> Bench:
@@ -86,7 +84,6 @@ def small_cells(
     fakes: dict[str, Any] = {
         "resolved": resolved,
         "edge_of": lambda bench: edge,
-        "may_be_cells": lambda *_: theirs,
         "fitted": lambda made, **_: made if burst is None else standing(burst, 2, 600.0),
         "rms": lambda _: next(sizes),
     }
@@ -115,29 +112,7 @@ def test_cells_are_made_smaller_once_about_a_place_that_leaves_a_misfit(
     assert small_cells(monkeypatch, 1.0, PLACE) == [], "nothing is left"
     assert len(small_cells(monkeypatch, 1.0, PLACE, edge=1.1)) == 1, "cells are too large for it"
     assert small_cells(monkeypatch, 40.0, None) == [], "no place is at work"
-    assert small_cells(monkeypatch, 40.0, PLACE, theirs=False) == [], "another effect comes first"
-    assert len(small_cells(monkeypatch, 1.0, PLACE, edge=1.1, theirs=False)) == 1, (
-        "thin all the same"
-    )
     assert small_cells(monkeypatch, 40.0, PLACE, after=0.20004) == [], "nothing to tell of"
-
-
-@pytest.mark.parametrize(("left", "theirs"), [(40.0, True), (42.0, False)])
-def test_what_is_left_may_be_of_cells_that_have_come_to_be_wrong_by_as_much(
-    monkeypatch: pytest.MonkeyPatch, left: float, theirs: bool
-) -> None:
-    def columns(runs: Any, objective: Any, apart: list[Any], count: int, share: float) -> Any:
-        made = np.zeros((count, 1))
-        made[0] = share * float(apart[0])
-        return made
-
-    monkeypatch.setattr(module, "error_columns", columns)
-    began, now = (standing(60.0, 2, left) for _ in range(2))
-    for one, defect in ((began, 1.0), (now, 3.0)):
-        coarse = SimpleNamespace(cases=(SimpleNamespace(defect=jnp.asarray(defect)),))
-        object.__setattr__(one.bench, "coarse", coarse)
-    # Two deviations in the smooth shape, of which a tenth of 39 or of 41 squares may be left.
-    assert module.may_be_cells(now, began) is theirs
 
 
 @pytest.mark.parametrize("left", [1e9, np.inf, np.nan])

@@ -13,14 +13,11 @@ from thermo.discover._bench import edge_of, resolved
 from thermo.discover._candidate import Candidate, Inclusion, Place
 from thermo.discover._pace import Pace
 from thermo.discover._rounds import rms
-from thermo.discover._softening import error_columns, omnibus
 from thermo.discover._standing import BY_SHAPES, Standing, fitted, share_closed
 from thermo.discover._verdict import Round
 from thermo.discover.candidates import SupportContact
 from thermo.errors import InputError
 
-# Share of a gap that one that is closed may leave [1].
-_LEAST: Final = 0.1
 _BURST: Final = (
     "With {} at work smaller cells leave more than without it; cells stay as they are, and what "
     "they make wrong beside it is not known."
@@ -35,15 +32,14 @@ def on_small_cells(
     pace: Pace,
     remarks: list[str],
 ) -> tuple[Standing, list[Round]]:
-    """Fitted anew on smaller cells, where a place is thin or leaves a misfit that may be theirs.
+    """Fitted anew on smaller cells, where a place is thin or leaves a misfit in smooth shapes.
 
     What cells make wrong about a thin place is no other effect [1]. Cells are made smaller once;
     `before`: where the search stood without the last effect.
     """
-    if standing.bench.ready is not begun.bench.ready or not placed(standing):
-        return standing, rounds
-    thin = thinnest(standing) < edge_of(standing.bench)
-    if not thin and (standing.chance() > BY_SHAPES or not may_be_cells(standing, begun)):
+    tried = standing.bench.ready is not begun.bench.ready
+    needed = standing.chance() <= BY_SHAPES or thinnest(standing) < edge_of(standing.bench)
+    if tried or not placed(standing) or not needed:
         return standing, rounds
     pace.step("fitting on smaller cells")
     name, large = rounds[-1].effect.card.name, rms(standing)
@@ -64,24 +60,6 @@ def on_small_cells(
     if told:
         remarks.append(f"Smaller cells change what is left beside {name}: {told}.")
     return smaller, [*rounds[:-1], replace(rounds[-1], rms_after=small, closed=closed)]
-
-
-def may_be_cells(standing: Standing, begun: Standing) -> bool:
-    """Whether what cells make wrong about places may be a part of what is left that counts.
-
-    That is not known better than by how much more or less they make wrong since the search has
-    `begun`, with no place at work. Where all of it is less than what a gap that is closed may leave
-    of this one, what is left is another effect's, and comes first.
-
-    Source: Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001) 425, a discrepancy of the model.
-    """
-    pairs = zip(standing.bench.coarse.cases, begun.bench.coarse.cases, strict=True)
-    apart = [one.defect - other.defect for one, other in pairs]
-    allowed, count = standing.allowed, len(standing.ended.residual)
-    columns = error_columns(allowed.runs, standing.bench.coarse, apart, count, share=1.0)
-    theirs, _, _ = omnibus(allowed.runs, allowed.whiten(columns).sum(axis=1))
-    told, shapes = standing.gap()
-    return theirs > _LEAST * (told - shapes)
 
 
 def placed(standing: Standing) -> bool:
