@@ -23,7 +23,8 @@ def keep_to_one_core() -> None:
 
 # Programs of tests run once and on little, and most of the suite is compiling: LLVM optimises
 # nothing, and kernels are written the shorter way, as `thermo._compiled` asks for. Read when the
-# first program is compiled, and by processes that tests start; what the user asks for stays.
+# first program is compiled, and by processes that tests start; what the user asks for stays. An XLA
+# that does not know one of them ends with its name.
 QUICK = "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
 
 keep_to_one_core()
