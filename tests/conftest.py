@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 
 import hypothesis
 import jax
 import jaxtyping
 import matplotlib
+import pytest
 
 
 def keep_to_one_core() -> None:
@@ -27,6 +29,9 @@ def keep_to_one_core() -> None:
 # that does not know one of them ends with its name.
 QUICK = "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
 
+BRICKS = (5, 4, 3)
+"""Along the axes of the block, where a test does not ask for others [1]."""
+
 keep_to_one_core()
 os.environ["XLA_FLAGS"] = f"{QUICK} {os.environ.get('XLA_FLAGS', '')}".strip()
 jax.config.update("jax_enable_x64", True)
@@ -42,3 +47,14 @@ hypothesis.settings.register_profile(
     suppress_health_check=[hypothesis.HealthCheck.too_slow],
 )  # fmt: skip
 hypothesis.settings.load_profile("thermo")
+
+
+@pytest.fixture(scope="module")
+def bricks() -> Iterator[None]:
+    """All that a file's tests simulate of the block is on bricks, and shares compiled programs."""
+    # Not before the hook above: this imports the package.
+    from bricks import lay_bricks
+
+    with pytest.MonkeyPatch.context() as patch:
+        lay_bricks(patch, BRICKS)
+        yield

@@ -26,7 +26,7 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(autouse=True)
 def bricks(monkeypatch: pytest.MonkeyPatch) -> None:
     """What cells make wrong, and so every interval, is of one mesh on all machines."""
-    lay_bricks(monkeypatch, (10, 7, 5))
+    lay_bricks(monkeypatch, (7, 5, 4))
 
 
 def record(folder: Path) -> dict[str, Any]:

@@ -25,7 +25,7 @@ from .conftest import Command
 UNIT = 0.04  # m, of the file of cameras
 EDGE = 64  # pixels
 SMALL = (
-    "training.steps=300", "training.rays=192", "training.cells=[8,16]", "training.width=32",
+    "training.steps=150", "training.rays=192", "training.cells=[8,16]", "training.width=32",
     "training.rate=0.01", "training.search=16", "training.sections=16", "triangles=600",
 )  # fmt: skip
 
@@ -104,7 +104,7 @@ def test_it_leaves_a_surface_in_metres_and_how_it_came_about(rebuilt: Path) -> N
     assert min(one["silhouette_overlap"] for one in record["photographs"].values()) > 0.9
     assert record["left_out"]["view6.png"]["psnr"] > 15
     assert record["surface"]["volume"] == pytest.approx(surface.volume(), rel=1e-6)
-    assert record["configuration"]["training"]["steps"] == 300
+    assert record["configuration"]["training"]["steps"] == 150
     with Image.open(rebuilt / "turntable.png") as shown:
         assert shown.size == (SIDES * EDGE, 2 * EDGE)
 

@@ -13,6 +13,8 @@ from thermo.app._refits import Wanted, refit
 from thermo.inverse import Meshing, Stepping
 from thermo.observe import Recording, read_scene
 
+pytestmark = pytest.mark.usefixtures("bricks")
+
 
 def test_noise_is_learnt_from_the_residual_and_hides_no_misfit(block: Path, tmp_path: Path) -> None:
     scene = read_scene(block)

@@ -19,6 +19,8 @@ from thermo.study import Case
 
 from .conftest import SMALL, Command
 
+pytestmark = pytest.mark.usefixtures("bricks")
+
 COARSE = ("mesh=tet4", "mesh.max_nodes=1500", "tolerance=0.05")
 PNG = b"\x89PNG"
 

@@ -16,6 +16,8 @@ from thermo.identify import Model, profile
 from thermo.identify._path import LEVEL
 from thermo.inverse import LogModel, Meshing, Stepping, log_model
 
+pytestmark = pytest.mark.usefixtures("bricks")
+
 Array = np.ndarray
 
 

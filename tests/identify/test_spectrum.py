@@ -17,6 +17,8 @@ from thermo.identify import identifiability, spectrum
 from thermo.identify._information import information, pulls
 from thermo.inverse import Meshing, Sensitivity, Stepping, sensitivity
 
+pytestmark = pytest.mark.usefixtures("bricks")
+
 NAMES = ("conductivity", "convection", "emissivity")
 PRIOR = {"conductivity": 0.5, "convection": 1.0, "emissivity": 0.2}
 FRAMES, SAMPLES = 6, 5

@@ -14,6 +14,8 @@ from thermo.errors import InputError
 from thermo.inverse import LogModel, Meshing, Prior, Stepping, log_model
 from thermo.inverse._reading_errors import whiten, without
 
+pytestmark = pytest.mark.usefixtures("bricks")
+
 UNKNOWN = ("convection", "conductivity")
 
 

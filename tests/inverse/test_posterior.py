@@ -24,6 +24,8 @@ from thermo.inverse import (
 )
 from thermo.inverse._posterior import _parts
 
+pytestmark = pytest.mark.usefixtures("bricks")
+
 COUNT = 12
 
 

@@ -13,6 +13,8 @@ from thermo.inverse import LogModel, Meshing, Stepping, log_model, residual_nois
 from thermo.inverse._run_fit import differences
 from thermo.observe import Recording, Scene, read_scene
 
+pytestmark = pytest.mark.usefixtures("bricks")
+
 WHITE, KEPT, OFFSET = 0.3, 0.5, 0.6
 NONE = 0.01  # K, of the simulation
 

@@ -29,6 +29,8 @@ from thermo.inverse._stages import make_objective
 from thermo.inverse._task import Task, prepare
 from thermo.observe import Scene
 
+pytestmark = pytest.mark.usefixtures("bricks")
+
 VALUE = 0.8
 RUNS = ("lamp", "cooling")
 

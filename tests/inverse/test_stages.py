@@ -39,6 +39,8 @@ from thermo.physics.integrators import BackwardEuler
 
 from .conftest import START
 
+pytestmark = pytest.mark.usefixtures("bricks")
+
 POINTS = OnControlPoints(count=4)
 
 

@@ -14,7 +14,7 @@ from thermo.reconstruct import Sampling, Training, reconstruct, region_of
 def test_a_ball_is_rebuilt_as_large_as_it_is(tmp_path: Path) -> None:
     photographs = [photograph(camera) for camera in cameras(12)]
     training = Training(
-        steps=400, rays=192, cells=(8, 16), width=32, rate=1e-2, sampling=Sampling(16, 1, 16)
+        steps=200, rays=192, cells=(8, 16), width=32, rate=1e-2, sampling=Sampling(16, 1, 16)
     )
     told: list[int] = []
     file = tmp_path / "checkpoint.npz"
@@ -22,8 +22,8 @@ def test_a_ball_is_rebuilt_as_large_as_it_is(tmp_path: Path) -> None:
         photographs, region_of(photographs), training, triangles=600, checkpoint=file,
         on_step=lambda made, *_: told.append(made),
     )  # fmt: skip
-    assert told[-1] == 400 and file.exists()
-    assert len(found.trained.psnr) == 400
+    assert told[-1] == 200 and file.exists()
+    assert len(found.trained.psnr) == 200
     surface = found.surface
     assert len(surface.triangles) <= 600
     assert surface.volume() == pytest.approx(4 / 3 * np.pi * RADIUS**3, rel=0.04)

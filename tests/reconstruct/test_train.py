@@ -22,7 +22,7 @@ from thermo.reconstruct._training import Training
 # Neither in the middle of the region nor as large as the ball that training begins with.
 REGION = Region(CENTRE + [0.004, 0.0, -0.003], 0.04)
 SMALL = Training(
-    steps=600, rays=192, cells=(8, 16), width=32, rate=1e-2, sampling=Sampling(16, 1, 16)
+    steps=300, rays=192, cells=(8, 16), width=32, rate=1e-2, sampling=Sampling(16, 1, 16)
 )
 BRIEF = Training(
     steps=120, rays=32, cells=(4,), width=8, told=3, warm=10, sampling=Sampling(8, 1, 8)

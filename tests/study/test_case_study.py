@@ -18,6 +18,8 @@ from thermo.study import Case, Preset, Row, study_case, truth
 from thermo.study import _case_study as module
 from thermo.study._maps import error_at_the_end
 
+pytestmark = pytest.mark.usefixtures("bricks")
+
 LAMP = Row("block", "lamp", "conductivity", 0.2, 0.9, 0.5, known={}, start=2.0)
 
 
