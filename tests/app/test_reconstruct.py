@@ -16,14 +16,14 @@ from thermo.app._reconstruct import _photographs
 from thermo.errors import InputError
 from thermo.imaging import View, pixel_centres, rays, read_cameras, write_transforms
 from thermo.mesh import read_surface
-from thermo.reconstruct import MetricScale
+from thermo.reconstruct import MetricScale, _picture
 from thermo.report import _figure_turntable
 from thermo.report._figure_turntable import VIEWS as SIDES
 
 from .conftest import Command
 
 UNIT = 0.04  # m, of the file of cameras
-EDGE = 64  # pixels
+EDGE = 32  # pixels, as the photographs have
 SMALL = (
     "training.steps=150", "training.rays=192", "training.cells=[8,16]", "training.width=32",
     "training.rate=0.01", "training.search=16", "training.sections=16", "triangles=600",
@@ -76,6 +76,7 @@ def stood(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def rebuilt(command: Command, pictures: Path, stood: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A ball in metres, by depths, with one photograph left out; its pictures are small."""
     monkeypatch.setattr(_figure_turntable, "_EDGE", EDGE)
+    monkeypatch.setattr(_picture, "_RAYS", EDGE**2)
     if not stood.exists():
         outcome = command(
             "reconstruct", f"cameras={pictures / 'transforms.json'}", f"out={stood}",
