@@ -28,7 +28,7 @@ def write_record(example: ModuleType, folder: Path) -> None:
     points, between = 71, 10
     place = np.linspace(0.0, example.LENGTH, points)
     sink = 2 * LOSS / (example.RADIUS * 4e6)
-    time = np.arange(0.0, 6000.1, 10.0)
+    time = np.arange(0.0, 6000.1, 20.0)
 
     def ends(when: float) -> tuple[float, float]:
         return 20.0, 20.0 + 30.0 * (1 - np.exp(-when / 1500.0))
