@@ -29,9 +29,6 @@ def keep_to_one_core() -> None:
 # that does not know one of them ends with its name.
 QUICK = "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false"
 
-BRICKS = (5, 4, 3)
-"""Along the axes of the block, where a test does not ask for others [1]."""
-
 keep_to_one_core()
 os.environ["XLA_FLAGS"] = f"{QUICK} {os.environ.get('XLA_FLAGS', '')}".strip()
 jax.config.update("jax_enable_x64", True)
@@ -56,5 +53,5 @@ def bricks() -> Iterator[None]:
     from bricks import lay_bricks
 
     with pytest.MonkeyPatch.context() as patch:
-        lay_bricks(patch, BRICKS)
+        lay_bricks(patch)
         yield

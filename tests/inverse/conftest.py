@@ -54,5 +54,5 @@ def fitted(block: Path, meshing: Meshing, stepping: Stepping) -> Estimate:
     """Conductivity of the block on quadratic cells, from three times the true value."""
     quadratic = replace(meshing, order=2)
     with pytest.MonkeyPatch.context() as patch:
-        lay_bricks(patch, (5, 4, 3))
+        lay_bricks(patch)
         return invert(block, initial=START, choice=Uniform(), meshing=quadratic, stepping=stepping)

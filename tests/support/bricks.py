@@ -8,8 +8,11 @@ from box_scene import SIZE
 from thermo.inverse import _inner_edges, _task
 from thermo.mesh import Mesh, box_mesh
 
+BRICKS = (5, 4, 3)
+"""Along the axes of the block, where a test does not ask for others [1]."""
 
-def lay_bricks(monkeypatch: pytest.MonkeyPatch, counts: tuple[int, int, int]) -> None:
+
+def lay_bricks(monkeypatch: pytest.MonkeyPatch, counts: tuple[int, int, int] = BRICKS) -> None:
     """Let all that simulates the block use bricks, `counts` [1] along its axes, cut in cells."""
 
     def make(*_: object, finer: float = 1.0, fine: None = None) -> Mesh:
