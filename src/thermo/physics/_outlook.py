@@ -6,6 +6,7 @@ from typing import final
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float, Int
 
 DEPTH = 3
@@ -67,21 +68,19 @@ def without_past(solves: int, nodes: int) -> tuple[Past, Outlook]:
 
 def _extrapolation(time: Float[Array, " steps"], count: int) -> Float[Array, "steps depth"]:
     """Weights [1] of up to `count` earlier values at times [s], by the polynomial through them."""
-    steps = len(time)
-    best = jnp.zeros((steps, DEPTH))
+    number, nearest = np.arange(len(time))[:, None], np.arange(DEPTH)
+    # The times of the earlier steps, beside each step's own.
+    known = time[(number - 1 - nearest) % len(time)]
+    apart = known[:, :, None] - known[:, None, :]
+    ratio = (time[:, None] - known)[:, None, :] / jnp.where(apart == 0, 1.0, apart)
+    ratio = jnp.where(apart == 0, jnp.inf, ratio)
+    ratio = jnp.where(np.eye(DEPTH, dtype=bool), 1.0, ratio)
+    best, product = jnp.zeros((len(time), DEPTH)), jnp.ones((len(time), DEPTH))
     for points in range(1, count + 1):
-        # The times of the earlier steps, beside each step's own.
-        known = [jnp.roll(time, shift) for shift in range(1, points + 1)]
-        weights = jnp.ones((DEPTH, steps))
-        for k in range(DEPTH):
-            for m in range(points):
-                if k < points and m != k:
-                    apart = known[k] - known[m]
-                    ratio = (time - known[m]) / jnp.where(apart == 0, 1.0, apart)
-                    weights = weights.at[k].multiply(jnp.where(apart == 0, jnp.inf, ratio))
-            weights = weights.at[k].multiply(1.0 if k < points else 0.0)
-        sound = (jnp.arange(steps) >= points) & (jnp.sum(jnp.abs(weights), 0) <= MOST)
-        best = jnp.where(sound[:, None], weights.T, best)
+        product = product * ratio[:, :, points - 1]
+        weights = jnp.where(nearest < points, product, 0.0)
+        sound = (number >= points) & (jnp.sum(jnp.abs(weights), 1, keepdims=True) <= MOST)
+        best = jnp.where(sound, weights, best)
     return best
 
 
