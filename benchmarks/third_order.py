@@ -31,10 +31,10 @@ from thermo.physics import (
     step_matrix,
     uniform_steps,
 )
-from thermo.physics._outlook import Outlook, Past
+from thermo.physics._outlook import Memory, Outlook
 from thermo.physics.effects import Convection, Heating, Radiation, Schedule, spot_profile
 from thermo.physics.integrators import AbstractIntegrator, Sdirk2
-from thermo.physics.integrators._integrator import Step, solve_stage, within
+from thermo.physics.integrators._integrator import Loop, Step, solve_stage, within
 
 HERE = Path(__file__).parent
 RADIUS, END, OFF = 0.03, 60.0, 30.0
@@ -74,26 +74,28 @@ class Sdirk3(AbstractIntegrator):
         start: float | jax.Array,
         size: float | jax.Array,
         solver: ConjugateGradient,
-        past: Past,
+        past: Memory,
         outlook: Outlook,
+        loop: Loop,
     ) -> Step:
         """One step of `size` [s] after `start` [s]."""
+        del loop
         weight = self.weight(size)
         matrix = step_matrix(balance, temperature, weight)
         guess, value = temperature, temperature
         # What each stage's own heat raises the temperature by, over the step.
-        slopes, found, fine = [], (), jnp.asarray(True)
+        slopes, fine = [], jnp.asarray(True)
         for number, (row, share) in enumerate(zip(TABLE, TIMES, strict=True)):
             base = temperature + sum(a * s for a, s in zip(row, slopes, strict=True))
-            value, rates, well = solve_stage(
+            value, past, well = solve_stage(
                 balance, guess, base, within(start, size, share), weight, temperature, matrix,
-                solver, past[number : number + 1], outlook,
+                solver, past, np.array([number]), outlook,
             )  # fmt: skip
             slopes.append((value - base) / GAMMA)
-            found, fine = (*found, *rates), fine & well
+            fine = fine & well
             if number < 2:
                 guess = temperature + (value - temperature) * TIMES[number + 1] / share
-        return value, found, fine
+        return value, past, fine
 
 
 def make_model() -> Model:

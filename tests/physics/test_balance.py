@@ -84,12 +84,12 @@ def step_and_inflow(model: Model, scheme: AbstractIntegrator, old, start, size):
     last = start + size * (1 - 1e-9)
     if isinstance(scheme, Sdirk2):
         before = without_past(scheme.solves(), len(old))
-        new, rise, *_ = _stages(scheme, balance, old, start, size, TIGHT, *before)
+        new, rise, *_ = _stages(scheme, balance, old, start, size, TIGHT, *before, jax.lax.scan)
         first = heat_rate(balance, old + rise, start + GAMMA * size)
         flow = (1 - GAMMA) * first + GAMMA * heat_rate(balance, new, last)
     else:
         before = without_past(scheme.solves(), len(old))
-        new, *_ = scheme.step(balance, old, start, size, TIGHT, *before)
+        new, *_ = scheme.step(balance, old, start, size, TIGHT, *before, jax.lax.scan)
         flow = heat_rate(balance, new, last)
     change = equivalent(balance, new) - equivalent(balance, old)
     return new, stored_heat(balance, change).sum(), size * flow.sum()

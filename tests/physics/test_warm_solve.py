@@ -34,18 +34,23 @@ def random(seed: int, *shape: int) -> jax.Array:
     return jnp.asarray(np.random.default_rng(seed).normal(size=shape))
 
 
+WHICH, OTHER = jnp.asarray(1), 7.0
+
+
 def memory(found: jax.Array, largest: float = 0.0) -> Memory:
-    return Memory(found, jnp.asarray(largest))
+    """Of two solves, the second of which is looked at."""
+    return Memory(jnp.stack([jnp.full_like(found, OTHER), found]), jnp.array([OTHER, largest]))
 
 
 def test_the_past_holds_the_latest_rate_at_its_place() -> None:
     heat, past = random(0, NODES), random(1, DEPTH, NODES)
-    found, later, fine = warm_solve(matrix(), heat, memory(past), TIGHT, outlook())
+    found, later, fine = warm_solve(matrix(), heat, memory(past), WHICH, TIGHT, outlook())
     assert bool(fine)
     np.testing.assert_allclose(matrix().mv(found), heat, atol=1e-11)
-    np.testing.assert_allclose(later.found[1], found / SIZE, rtol=1e-14)
-    np.testing.assert_array_equal(later.found[::2], past[::2])
-    assert float(later.largest) == 0.0
+    np.testing.assert_allclose(later.found[1, 1], found / SIZE, rtol=1e-14)
+    np.testing.assert_array_equal(later.found[1, ::2], past[::2])
+    np.testing.assert_array_equal(later.found[0], OTHER)
+    np.testing.assert_array_equal(later.largest, [OTHER, 0.0])
 
 
 @pytest.mark.parametrize("transposed", [False, True])
@@ -59,10 +64,10 @@ def test_a_past_that_points_to_the_solution_leaves_nothing_to_do(transposed: boo
 
     def solve(heat: jax.Array, past: jax.Array, solver: ConjugateGradient) -> jax.Array:
         if not transposed:
-            return warm_solve(matrix(), heat, memory(past), solver, outlook())[0]
+            return warm_solve(matrix(), heat, memory(past), WHICH, solver, outlook())[0]
 
         def pair(b: jax.Array, before: Memory) -> tuple[jax.Array, Memory]:
-            return tangent_solve(matrix(), b, before, solver, outlook())[:2]
+            return tangent_solve(matrix(), b, before, WHICH, solver, outlook())[:2]
 
         # The adjoint's past is what the later steps hand back.
         return jax.linear_transpose(pair, heat, memory(past))((heat, memory(past)))[0]
@@ -80,12 +85,12 @@ def test_a_small_tangent_is_known_as_well_as_the_largest_one() -> None:
     exact = jnp.linalg.solve(matrix().as_matrix(), heat)
     for factor, largest, digits in ((1.0, 0.0, 1e-6), (1e-3, size, 1e-3), (1e-7, size, 1.0)):
         found, later, fine = tangent_solve(
-            matrix(), factor * heat, memory(nothing, largest), solver, outlook()
+            matrix(), factor * heat, memory(nothing, largest), WHICH, solver, outlook()
         )
         left = factor * heat - matrix().mv(found)
         assert bool(fine) and float(left @ (norm * left)) <= (1.01e-6) ** 2 * size
         assert float(jnp.abs(found / factor - exact).max()) < 10 * digits * jnp.abs(exact).max()
-        np.testing.assert_allclose(later.largest, max(largest, factor**2 * size))
+        np.testing.assert_allclose(later.largest[1], max(largest, factor**2 * size))
     # What is below the tolerance of the largest one is not solved for at all.
     assert not np.any(found)
 
@@ -94,7 +99,7 @@ def test_batches_equal_single_solves() -> None:
     heat, past = random(4, 3, NODES), random(5, 3, DEPTH, NODES)
 
     def solve(b: jax.Array, before: jax.Array) -> tuple[jax.Array, Memory]:
-        return tangent_solve(matrix(), b, memory(before), TIGHT, outlook())[:2]
+        return tangent_solve(matrix(), b, memory(before), WHICH, TIGHT, outlook())[:2]
 
     together = jax.jit(jax.vmap(solve))(heat, past)
     shared = jax.jit(jax.vmap(solve, in_axes=(0, None)))(heat, past[0])
@@ -114,7 +119,7 @@ def test_batches_of_matrices_are_solved_one_by_one() -> None:
 
     def solve(weight: jax.Array) -> jax.Array:
         at = step_matrix(balance, jnp.full(NODES, 300.0), weight)
-        return warm_solve(at, heat, past, TIGHT, outlook())[0]
+        return warm_solve(at, heat, past, WHICH, TIGHT, outlook())[0]
 
     together = jax.jit(jax.vmap(solve))(weights)
     for number, weight in enumerate(weights):

@@ -14,6 +14,7 @@ from thermo._compiled import program
 from thermo.inverse._conditions import Conditions
 from thermo.physics import (
     ConjugateGradient,
+    ForwardOnly,
     Model,
     ReadOut,
     TimeGrid,
@@ -69,4 +70,5 @@ def _solve(
         integrator=Sdirk2(iterations=2 if model.follows_temperature() else 1),
         readout=readout,
         solver=ConjugateGradient(rtol=1e-5),
+        adjoint=ForwardOnly(),
     ).temperature

@@ -7,7 +7,8 @@ from typing import final
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+import numpy as np
+from jaxtyping import Array, Bool, Float
 
 from thermo.physics._coarse_correction import CoarseMatrices, coarse_correction, coarse_matrices
 from thermo.physics._diagonal_product import diagonal_product
@@ -170,6 +171,7 @@ def missing_heat(
     time: Time,
     weight: Time,
     rise: Rise | None = None,
+    moved: Bool[Array | np.ndarray, ""] | None = None,
 ) -> Float[Array, " nodes"]:
     """Heat [J] that a stage still lacks at each node: weight F(T, t) - M (G(T) - base).
 
@@ -181,6 +183,7 @@ def missing_heat(
     - `temperature`: T, (nodes,) [K]; `base`: equivalent temperature at the left, (nodes,) [K], or
       None for G(T).
     - `time`: of the stage [s]; `weight`: [s].
+    - `moved`: where it is known, whether T is another temperature than the base is that of.
     """
     model = balance.model
     heat = weight * heat_rate(balance, temperature, time, rise)
@@ -193,9 +196,31 @@ def missing_heat(
         heat = heat - edge_product(model.space.pattern, *content, rise.value)
     elif rise is not None:
         above = rise.value if above is None else above + rise.value
-    if above is not None:
+    if above is not None and moved is None:
         heat = heat - stored_heat(balance, above)
+    if above is not None and moved is not None:
+        heat = heat - _stored_where(moved, balance, above, held=rise is not None)
     return heat if model.prescribed is None else diagonal_product(model.prescribed.free(), heat)
+
+
+def _stored_where(
+    moved: Bool[Array | np.ndarray, ""],
+    balance: Balance,
+    above: Float[Array, " nodes"],
+    *,
+    held: bool,
+) -> Float[Array, " nodes"]:
+    """Heat [J] stored above a base. Where nothing has moved it is that of a `held` rise, or none.
+
+    A product less for all tangents at once, which such a rise has none of.
+    """
+
+    def still(above: Float[Array, " nodes"]) -> Float[Array, " nodes"]:
+        if held:
+            return stored_heat(balance, jax.lax.stop_gradient(above))
+        return jnp.zeros_like(above)
+
+    return jax.lax.cond(moved, lambda a: stored_heat(balance, a), still, above)
 
 
 def step_matrix(balance: Balance, temperature: Float[Array, " nodes"], weight: Time) -> StepMatrix:

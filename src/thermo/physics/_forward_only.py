@@ -25,6 +25,10 @@ class ForwardOnly(AbstractAdjoint):
         one = jax.tree.map(lambda a: a[0], inputs)
         return _march(eqx.filter_closure_convert(step, start, one), start, inputs)
 
+    def stages(self, stage: Callable[[Any, Any], Any], start: Any, inputs: Any) -> tuple[Any, Any]:
+        """The same: a plain loop would put the directions apart in each step."""
+        return self.run(stage, start, inputs)
+
 
 @eqx.filter_custom_jvp
 def _march(step: Any, start: Any, inputs: Any) -> Any:

@@ -41,28 +41,22 @@ class Outlook(eqx.Module):
 
 @final
 class Memory(eqx.Module):
-    """What a linear solve hands on to the same one of the next step.
+    """What the linear solves of a step hand on, each to the same one of the next step.
 
     - `found`: the solutions of the last steps, over their lengths, each at its place,
-      (depth, nodes) [K/s]; in single precision, since a solve only begins there.
+      (solves, depth, nodes) [K/s]; in single precision, since a solve only begins there.
     - `largest`: of tangents and adjoints the largest right-hand side so far, squared in the norm
-      of the inverse diagonal; zero for temperatures.
+      of the inverse diagonal, (solves,); zero for temperatures.
     """
 
-    found: Float[Array, "depth nodes"]
-    largest: Float[Array, ""]
+    found: Float[Array, "solves depth nodes"]
+    largest: Float[Array, " solves"]
 
 
-Past = tuple[Memory, ...]
-"""One memory for each linear solve of a step."""
-
-
-def without_past(solves: int, nodes: int) -> tuple[Past, Outlook]:
+def without_past(solves: int, nodes: int) -> tuple[Memory, Outlook]:
     """The past and the outlook of a step with no other before it."""
     nothing = jnp.zeros(DEPTH)
-    past = tuple(
-        Memory(jnp.zeros((DEPTH, nodes), jnp.float32), jnp.zeros(())) for _ in range(solves)
-    )
+    past = Memory(jnp.zeros((solves, DEPTH, nodes), jnp.float32), jnp.zeros(solves))
     return past, Outlook(nothing, nothing, jnp.ones(()), jnp.zeros((), jnp.int32))
 
 

@@ -13,12 +13,12 @@ from thermo.physics._adjoint import AbstractAdjoint, StoreSteps
 from thermo.physics._balance import assemble, with_weight
 from thermo.physics._conjugate_gradient import SINGLE, ConjugateGradient
 from thermo.physics._model import Model
-from thermo.physics._outlook import Outlook, Past, outlooks, without_past
+from thermo.physics._outlook import Memory, Outlook, outlooks, without_past
 from thermo.physics._readout import ReadOut, every_node
 from thermo.physics._time_grid import TimeGrid
 from thermo.physics.integrators import AbstractIntegrator
 
-State = tuple[Float[Array, " nodes"], Past]
+State = tuple[Float[Array, " nodes"], Memory]
 
 
 @final
@@ -70,7 +70,9 @@ def solve_heat(
     def step(state: State, interval: tuple[Array, Array, Outlook]) -> tuple[State, Any]:
         old, past = state
         start, size, outlook = interval
-        new, past, fine = integrator.step(balance, old, start, size, solver, past, outlook)
+        new, past, fine = integrator.step(
+            balance, old, start, size, solver, past, outlook, adjoint.stages
+        )
         return (new, past), (readout.read(new), fine)
 
     start, size = jnp.asarray(grid.start), jnp.asarray(grid.size)

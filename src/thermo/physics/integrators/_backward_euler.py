@@ -5,14 +5,16 @@ from __future__ import annotations
 from typing import final
 
 import equinox as eqx
+import numpy as np
 from jaxtyping import Array, Float
 
 from thermo.physics._balance import Balance
 from thermo.physics._conjugate_gradient import ConjugateGradient
-from thermo.physics._outlook import Outlook, Past
+from thermo.physics._outlook import Memory, Outlook
 from thermo.physics.effects._effect import Time
 from thermo.physics.integrators._integrator import (
     AbstractIntegrator,
+    Loop,
     Step,
     solve_stage,
     within,
@@ -51,9 +53,14 @@ class BackwardEuler(AbstractIntegrator):
         start: Time,
         size: Time,
         solver: ConjugateGradient,
-        past: Past,
+        past: Memory,
         outlook: Outlook,
+        loop: Loop,
     ) -> Step:
         """One step of `size` [s] after `start` [s], from the rates of the steps before [K/s]."""
+        del loop
         end = within(start, size, 1.0)
-        return solve_stage(balance, temperature, None, end, size, None, None, solver, past, outlook)
+        return solve_stage(
+            balance, temperature, None, end, size, None, None, solver, past,
+            np.arange(self.iterations), outlook,
+        )  # fmt: skip

@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Callable
 from typing import Any
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
 
 from thermo.physics._balance import Balance, Rise, equivalent, missing_heat, step_matrix
 from thermo.physics._conjugate_gradient import ConjugateGradient
-from thermo.physics._outlook import Memory, Outlook, Past
+from thermo.physics._outlook import Memory, Outlook
 from thermo.physics._step_matrix import StepMatrix
 from thermo.physics._warm_solve import tangent_solve, warm_solve
 from thermo.physics.effects._effect import Time
 
-Step = tuple[Float[Array, " nodes"], Past, Bool[Array, ""]]
+Step = tuple[Float[Array, " nodes"], Memory, Bool[Array, ""]]
 """Nodal temperatures [K] after a step, what the next one begins from, and whether it converged."""
+
+Loop = Callable[[Callable[[Any, Any], Any], Any, Any], tuple[Any, Any]]
+"""How the stages of a step are run one after the other, like `jax.lax.scan`."""
 
 
 class AbstractIntegrator(eqx.Module):
@@ -44,8 +49,9 @@ class AbstractIntegrator(eqx.Module):
         start: Time,
         size: Time,
         solver: ConjugateGradient,
-        past: Past,
+        past: Memory,
         outlook: Outlook,
+        loop: Loop,
     ) -> Step:
         """One step of `size` [s] after `start` [s], from the rates of the steps before [K/s]."""
 
@@ -55,24 +61,30 @@ def within(start: Time, size: Time, share: float) -> Time:
     return start + size * min(max(share, 1e-9), 1 - 1e-9)
 
 
+def _lacking(*stage: Any, rise: Rise | None = None) -> Float[Array, " nodes"]:
+    *what, moved = stage
+    return missing_heat(*what, rise=rise, moved=moved)
+
+
 @eqx.filter_custom_jvp
 def _increment(
     stage: Any,
     about: Float[Array, " nodes"] | None,
     past: Memory,
+    which: Int[Array | np.ndarray, ""],
     matrix: StepMatrix,
     solver: ConjugateGradient,
     outlook: Outlook,
 ) -> Any:
     del about
-    return warm_solve(matrix, missing_heat(*stage), past, solver, outlook)
+    return warm_solve(matrix, _lacking(*stage), past, which, solver, outlook)
 
 
 @_increment.def_jvp
 def _(primals: Any, tangents: Any) -> Any:
-    stage, about, past, matrix, solver, outlook = primals
+    stage, about, past, which, matrix, solver, outlook = primals
     # Not by `_increment` itself, or the reverse pass would not find the solve that it may keep.
-    value, past, fine = warm_solve(matrix, missing_heat(*stage), past, solver, outlook)
+    value, past, fine = warm_solve(matrix, _lacking(*stage), past, which, solver, outlook)
     change, turned, before, *_ = tangents
     lacking = jnp.zeros_like(value)
     if any(leaf is not None for leaf in jax.tree.leaves((change, turned))):
@@ -80,12 +92,12 @@ def _(primals: Any, tangents: Any) -> Any:
         # Matrix and heat are differentiated in one, which takes half the products.
         held = jax.lax.stop_gradient(value)
         _, lacking = eqx.filter_jvp(
-            lambda s, at: missing_heat(*s, rise=Rise(held, at)), (stage, about), (change, turned)
+            lambda s, at: _lacking(*s, rise=Rise(held, at)), (stage, about), (change, turned)
         )
     before = jax.tree.map(
         lambda a, b: jnp.zeros_like(a) if b is None else b, past, before, is_leaf=eqx.is_array
     )
-    tangent, after, _ = tangent_solve(matrix, lacking, before, solver, outlook)
+    tangent, after, _ = tangent_solve(matrix, lacking, before, which, solver, outlook)
     return (value, past, fine), (tangent, after, None)
 
 
@@ -98,9 +110,11 @@ def solve_stage(
     about: Float[Array, " nodes"] | None,
     matrix: StepMatrix | None,
     solver: ConjugateGradient,
-    past: Past,
+    past: Memory,
+    solves: Int[Array | np.ndarray, " iterations"],
     outlook: Outlook,
-) -> tuple[Float[Array, " nodes"], Past, Bool[Array, ""]]:
+    moved: Bool[Array | np.ndarray, ""] | None = None,
+) -> tuple[Float[Array, " nodes"], Memory, Bool[Array, ""]]:
     """Solve M (G(Y) - base) = weight F(Y, t) for Y [K] by Newton's method from `guess`.
 
     Arguments:
@@ -110,7 +124,9 @@ def solve_stage(
     - `time`: of the stage [s]; `weight`: [s].
     - `matrix`: M + weight J for the first iteration where it is at hand [J/K], and `about`: the
       temperatures that it was linearised at where these are not the guess, (nodes,) [K].
-    - `past`: rates that each iteration found in the steps before [K/s].
+    - `past`: rates that each solve found in the steps before [K/s]; `solves`: which of these the
+      Newton iterations are [1].
+    - `moved`: where it is known, whether the guess is at another temperature than the base.
 
     Returns Y [K], the rates for the next step and whether every solve converged.
     """
@@ -118,16 +134,17 @@ def solve_stage(
     current = guess
     if prescribed is not None:
         base = equivalent(balance, guess) if base is None else base
-        current = prescribed.impose(guess, time)
-    converged, found = jnp.asarray(True), []
-    for count, before in enumerate(past):
+        current, moved = prescribed.impose(guess, time), None
+    converged = jnp.asarray(True)
+    for count in range(len(solves)):
         if count > 0 and base is None:
             base = equivalent(balance, guess)
         if matrix is None or count > 0:
             about, matrix = None, step_matrix(balance, current, weight)
-        stage = (balance, current, base, time, weight)
-        rise, rates, fine = _increment(stage, about, before, matrix, solver, outlook)
-        found.append(rates)
+        stage = (balance, current, base, time, weight, moved if count == 0 else None)
+        rise, past, fine = _increment(
+            stage, about, past, solves[count, ...], matrix, solver, outlook
+        )
         current = current + rise
         converged = converged & fine
-    return current, tuple(found), converged
+    return current, past, converged

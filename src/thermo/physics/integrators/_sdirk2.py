@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import Any, final
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float
 
 from thermo.physics._balance import (
@@ -16,10 +18,11 @@ from thermo.physics._balance import (
     stored_heat,
 )
 from thermo.physics._conjugate_gradient import ConjugateGradient
-from thermo.physics._outlook import Outlook, Past, without_past
+from thermo.physics._outlook import Memory, Outlook, without_past
 from thermo.physics.effects._effect import Time
 from thermo.physics.integrators._integrator import (
     AbstractIntegrator,
+    Loop,
     Step,
     solve_stage,
     within,
@@ -63,11 +66,14 @@ class Sdirk2(AbstractIntegrator):
         start: Time,
         size: Time,
         solver: ConjugateGradient,
-        past: Past,
+        past: Memory,
         outlook: Outlook,
+        loop: Loop,
     ) -> Step:
         """One step of `size` [s] after `start` [s], from the rates of the steps before [K/s]."""
-        end, _, past, fine = _stages(self, balance, temperature, start, size, solver, past, outlook)
+        end, _, past, fine = _stages(
+            self, balance, temperature, start, size, solver, past, outlook, loop
+        )
         return end, past, fine
 
 
@@ -78,27 +84,32 @@ def _stages(
     start: Time,
     size: Time,
     solver: ConjugateGradient,
-    past: Past,
+    past: Memory,
     outlook: Outlook,
-) -> tuple[Float[Array, " nodes"], Float[Array, " nodes"], Past, Bool[Array, ""]]:
+    loop: Loop,
+) -> tuple[Float[Array, " nodes"], Float[Array, " nodes"], Memory, Bool[Array, ""]]:
     weight = scheme.weight(size)
     matrix = step_matrix(balance, temperature, weight)
     old = equivalent(balance, temperature)
 
-    guess, base, about = temperature, None, None
-    found, converged, rises = (), jnp.asarray(True), []
-    value = temperature
-    for number, share in enumerate((GAMMA, 1.0)):
-        before = past[number * scheme.iterations : (number + 1) * scheme.iterations]
-        value, rates, fine = solve_stage(
-            balance, guess, base, within(start, size, share), weight, about, matrix, solver, before,
-            outlook,
+    # A loop, so that a stage is compiled once: the first follows on a rise of nothing.
+    def stage(carry: Any, each: Any) -> Any:
+        before, past = carry
+        time, solves, moved = each
+        guess = temperature + (before - temperature) / GAMMA
+        base = old + (1 - GAMMA) / GAMMA * (equivalent(balance, before) - old)
+        value, past, fine = solve_stage(
+            balance, guess, base, time, weight, temperature, matrix, solver, past, solves, outlook,
+            moved,
         )  # fmt: skip
-        rises.append(equivalent(balance, value) - old)
-        guess, about = temperature + (value - temperature) / GAMMA, temperature
-        base = old + (1 - GAMMA) / GAMMA * rises[-1]
-        found, converged = (*found, *rates), converged & fine
-    return value, rises[0], found, converged
+        return (value, past), (before, fine)
+
+    times = jnp.stack([within(start, size, share) for share in (GAMMA, 1.0)])
+    solves = np.arange(scheme.solves()).reshape(2, -1)
+    (value, past), (begun, fine) = loop(
+        stage, (temperature, past), (times, solves, solves[:, 0] > 0)
+    )
+    return value, equivalent(balance, begun[1]) - old, past, jnp.all(fine)
 
 
 def step_with_error(
@@ -118,7 +129,9 @@ def step_with_error(
     Source: Hosea and Shampine, Appl. Numer. Math. 20 (1996) 21, section 4, for the filter.
     """
     before = without_past(scheme.solves(), len(temperature))
-    last, rise, *_ = _stages(scheme, balance, temperature, start, size, solver, *before)
+    last, rise, *_ = _stages(
+        scheme, balance, temperature, start, size, solver, *before, jax.lax.scan
+    )
     middle = 1 / (6 * GAMMA * (1 - GAMMA))
     late = 0.5 - middle * GAMMA
     early = 1 - middle - late
