@@ -50,6 +50,16 @@ def run(material: jax.Array, factors: jax.Array, rtol: float) -> jax.Array:
     ).temperature
 
 
+def test_what_each_step_is_given_may_not_change() -> None:
+    def total(heats: jax.Array) -> jax.Array:
+        return ForwardOnly().run(lambda held, heat: (held + heat, held), jnp.zeros(()), heats)[0]
+
+    heats = jnp.arange(3.0)
+    assert float(total(heats)) == 3.0
+    with pytest.raises(NotImplementedError, match="the same for all tangents"):
+        jax.jvp(total, (heats,), (heats,))
+
+
 @partial(jax.jit, static_argnames="rtol")
 def tangents(material: jax.Array, rtol: float) -> jax.Array:
     """Derivatives of all frames by the four factors, side by side."""

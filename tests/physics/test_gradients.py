@@ -260,6 +260,19 @@ def test_the_reverse_pass_repeats_no_solve() -> None:
     assert len(solves) == 2 * Sdirk2().solves()
 
 
+def test_a_jacobian_writes_down_a_stage_once() -> None:
+    given = inputs(1)
+
+    def push(way: jax.Array) -> jax.Array:
+        def run(power: jax.Array) -> jax.Array:
+            return temperatures(given | {"power": power}, Sdirk2(), ForwardOnly())
+
+        return jax.jvp(run, (given["power"],), (way,))[1]
+
+    program = jax.make_jaxpr(jax.vmap(push))(jnp.ones(3))
+    assert sorted(solves_in(program.jaxpr)) == ["tangent", "value"]
+
+
 def test_a_run_is_traced_once() -> None:
     traces = 0
 

@@ -39,7 +39,9 @@ def _march(step: Any, start: Any, inputs: Any) -> Any:
 @_march.def_jvp
 def _(primals: Any, tangents: Any) -> Any:
     given, fixed = eqx.partition(primals, eqx.is_array)
-    of_step, of_start, _ = tangents
+    of_step, of_start, of_inputs = tangents
+    if jax.tree.leaves(of_inputs):
+        raise NotImplementedError("what each step is given is the same for all tangents")
 
     def run(given: Any, change: Any, wide: bool) -> Any:
         """All steps and their tangents; where these are `wide`, the last axis is their batch."""
