@@ -170,8 +170,8 @@ def missing_heat(
     base: Float[Array, " nodes"] | None,
     time: Time,
     weight: Time,
-    rise: Rise | None = None,
     moved: Bool[Array | np.ndarray, ""] | None = None,
+    rise: Rise | None = None,
 ) -> Float[Array, " nodes"]:
     """Heat [J] that a stage still lacks at each node: weight F(T, t) - M (G(T) - base).
 

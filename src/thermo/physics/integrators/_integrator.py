@@ -61,11 +61,6 @@ def within(start: Time, size: Time, share: float) -> Time:
     return start + size * min(max(share, 1e-9), 1 - 1e-9)
 
 
-def _lacking(*stage: Any, rise: Rise | None = None) -> Float[Array, " nodes"]:
-    *what, moved = stage
-    return missing_heat(*what, rise=rise, moved=moved)
-
-
 @eqx.filter_custom_jvp
 def _increment(
     stage: Any,
@@ -77,14 +72,14 @@ def _increment(
     outlook: Outlook,
 ) -> Any:
     del about
-    return warm_solve(matrix, _lacking(*stage), past, which, solver, outlook)
+    return warm_solve(matrix, missing_heat(*stage), past, which, solver, outlook)
 
 
 @_increment.def_jvp
 def _(primals: Any, tangents: Any) -> Any:
     stage, about, past, which, matrix, solver, outlook = primals
     # Not by `_increment` itself, or the reverse pass would not find the solve that it may keep.
-    value, past, fine = warm_solve(matrix, _lacking(*stage), past, which, solver, outlook)
+    value, past, fine = warm_solve(matrix, missing_heat(*stage), past, which, solver, outlook)
     change, turned, before, *_ = tangents
     lacking = jnp.zeros_like(value)
     if any(leaf is not None for leaf in jax.tree.leaves((change, turned))):
@@ -92,7 +87,7 @@ def _(primals: Any, tangents: Any) -> Any:
         # Matrix and heat are differentiated in one, which takes half the products.
         held = jax.lax.stop_gradient(value)
         _, lacking = eqx.filter_jvp(
-            lambda s, at: _lacking(*s, rise=Rise(held, at)), (stage, about), (change, turned)
+            lambda s, at: missing_heat(*s, rise=Rise(held, at)), (stage, about), (change, turned)
         )
     before = jax.tree.map(
         lambda a, b: jnp.zeros_like(a) if b is None else b, past, before, is_leaf=eqx.is_array
