@@ -196,15 +196,13 @@ def missing_heat(
         heat = heat - edge_product(model.space.pattern, *content, rise.value)
     elif rise is not None:
         above = rise.value if above is None else above + rise.value
-    if above is not None and moved is None:
-        heat = heat - stored_heat(balance, above)
-    if above is not None and moved is not None:
+    if above is not None:
         heat = heat - _stored_where(moved, balance, above, held=rise is not None)
     return heat if model.prescribed is None else diagonal_product(model.prescribed.free(), heat)
 
 
 def _stored_where(
-    moved: Bool[Array | np.ndarray, ""],
+    moved: Bool[Array | np.ndarray, ""] | None,
     balance: Balance,
     above: Float[Array, " nodes"],
     *,
@@ -214,6 +212,8 @@ def _stored_where(
 
     A product less for all tangents at once, which such a rise has none of.
     """
+    if moved is None:
+        return stored_heat(balance, above)
 
     def still(above: Float[Array, " nodes"]) -> Float[Array, " nodes"]:
         if held:

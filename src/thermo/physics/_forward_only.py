@@ -21,7 +21,10 @@ class ForwardOnly(AbstractAdjoint):
     """
 
     def run(self, step: Callable[[Any, Any], Any], start: Any, inputs: Any) -> tuple[Any, Any]:
-        """Run `step` over the leading axis of `inputs`."""
+        """Run `step` over the leading axis of `inputs`, which are the same for all tangents.
+
+        Raises `NotImplementedError` where `inputs` have tangents.
+        """
         one = jax.tree.map(lambda a: a[0], inputs)
         return _march(eqx.filter_closure_convert(step, start, one), start, inputs)
 
@@ -41,7 +44,9 @@ def _(primals: Any, tangents: Any) -> Any:
     given, fixed = eqx.partition(primals, eqx.is_array)
     of_step, of_start, of_inputs = tangents
     if jax.tree.leaves(of_inputs):
-        raise NotImplementedError("what each step is given is the same for all tangents")
+        raise NotImplementedError(
+            "what each step is given is the same for all tangents: hand on what changes as state"
+        )
 
     def run(given: Any, change: Any, wide: bool) -> Any:
         """All steps and their tangents; where these are `wide`, the last axis is their batch."""
