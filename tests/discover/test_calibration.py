@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.stats import binom
+from scipy.stats import binom, chi2, ks_2samp
 
-from thermo.discover._calibration import Calibration, calibration
+from thermo.discover._calibration import Calibration, _covariance, calibration
 from thermo.discover._candidate import Card
 from thermo.discover._entries import Entry
-from thermo.discover._projection import projection
-from thermo.discover._scores import score_table
-from thermo.discover._softening import Block
+from thermo.discover._projection import Projection, projection
+from thermo.discover._scores import ScoreTable, score_table
+from thermo.discover._softening import Block, omnibus
 
 FRAMES, SAMPLES = 20, 15
 VALUES = FRAMES * SAMPLES
@@ -22,7 +22,7 @@ FOUND = [
 ]
 
 
-def made(*, alpha: float, shapes: float) -> Calibration:
+def case(alpha: float) -> tuple[ScoreTable, Projection, list[Block]]:
     random = np.random.default_rng(3)
     free = projection(random.standard_normal((VALUES, 3)))
     signatures = 4 * random.standard_normal((VALUES, 5))
@@ -30,7 +30,11 @@ def made(*, alpha: float, shapes: float) -> Calibration:
     across = np.linalg.qr(random.standard_normal((SAMPLES, 5)))[0]
     run = Block("lamp", slice(0, VALUES), (FRAMES, SAMPLES), along, across, 0.0, 1.05, VALUES)
     table = score_table(FOUND, signatures, np.zeros(VALUES), free, alpha=alpha)
-    return calibration(table, free, [run], shapes=shapes)
+    return table, free, [run]
+
+
+def made(*, alpha: float, shapes: float) -> Calibration:
+    return calibration(*case(alpha), shapes=shapes)
 
 
 @pytest.mark.parametrize("alpha", [0.04, 0.2])
@@ -48,3 +52,29 @@ def test_shapes_raise_as_many_as_their_level() -> None:
     assert 0.03 < found.by_shapes < 0.15
     assert max(found.by_score, found.by_shapes) <= found.either
     assert found.either <= found.by_score + found.by_shapes
+
+
+def test_alarms_are_those_of_residuals_drawn_one_by_one() -> None:
+    table, free, runs = case(0.1)
+    found = calibration(table, free, runs, shapes=0.1)
+    left = free.left(np.random.default_rng(6).standard_normal((VALUES, 3000)))
+    sizes = table.largest(-(left.T @ table.unit))
+    told = [omnibus(runs, one) for one in left.T]
+    by_shapes = np.array([chi2.sf(sum_, count) for sum_, count, _ in told]) < 0.1
+    by_score = sizes > table.threshold
+    assert ks_2samp(found.largest, sizes).pvalue > 1e-4
+    for share, drawn in [
+        (found.by_score, by_score),
+        (found.by_shapes, by_shapes),
+        (found.either, by_score | by_shapes),
+    ]:
+        # Four deviations of the difference of two shares.
+        apart = 4 * np.sqrt(share * (1 - share) * (1 / len(found.largest) + 1 / len(drawn)))
+        assert abs(share - drawn.mean()) < apart
+
+
+def test_scores_and_shapes_of_one_residual_go_together() -> None:
+    table, free, runs = case(0.1)
+    shapes = np.kron(runs[0].in_time, runs[0].in_space)
+    told = np.concatenate([table.unit, free.left(shapes)], 1)
+    np.testing.assert_allclose(_covariance(table.unit, free, runs), told.T @ told, atol=1e-12)

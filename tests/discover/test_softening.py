@@ -15,7 +15,9 @@ from thermo.discover._softening import (
     Block,
     blocks,
     error_columns,
+    in_shapes,
     omnibus,
+    shape_products,
     softened,
     stamp_columns,
 )
@@ -115,6 +117,38 @@ def test_the_omnibus_is_the_energy_in_smooth_shapes(made: list[Block], count: in
     told, shapes, each = omnibus(made, values + rough(made, count))
     assert told == pytest.approx(13.0) and each == pytest.approx({"first": 9.0, "second": 4.0})
     assert shapes == 2 * 12 * 16
+
+
+def test_coefficients_of_columns_are_those_of_each_run(made: list[Block], count: int) -> None:
+    columns = np.random.default_rng(4).normal(size=(count, 3))
+    found = in_shapes(made, columns)
+    for number, values in enumerate(columns.T):
+        each = [one.coefficients(values).ravel() for one in made]
+        np.testing.assert_allclose(found[:, number], np.concatenate(each), atol=1e-12)
+
+
+def test_products_of_shapes_are_in_the_order_of_their_coefficients() -> None:
+    # Neither orthogonal nor of length one, so that no two may change places.
+    random = np.random.default_rng(5)
+    runs = [
+        replace(
+            block(name, begin, 18, 20, 1.0),
+            in_time=random.normal(size=(18, 3)),
+            in_space=random.normal(size=(20, 4)),
+        )
+        for name, begin in (("first", 0), ("second", 18 * 20))
+    ]
+    every = np.stack(
+        [
+            shape(one, 2 * 18 * 20, along, across)
+            for one in runs
+            for along in range(3)
+            for across in range(4)
+        ],
+        1,
+    )
+    np.testing.assert_allclose(shape_products(runs), every.T @ every, atol=1e-12)
+    np.testing.assert_allclose(in_shapes(runs, every), every.T @ every, atol=1e-12)
 
 
 @pytest.fixture(scope="module")

@@ -7,15 +7,14 @@ from typing import Final, final
 
 import numpy as np
 from jaxtyping import Float
+from scipy.linalg import cho_solve
 from scipy.stats import chi2
 
 from thermo.discover._projection import Projection
 from thermo.discover._scores import ScoreTable
-from thermo.discover._softening import Block, omnibus
+from thermo.discover._softening import Block, in_shapes, shape_products
 
-_DRAWS: Final = 1000
-# Draws that are held at a time [1].
-_AT_ONCE: Final = 50
+_DRAWS: Final = 4000
 
 
 @final
@@ -40,17 +39,17 @@ def calibration(
 
     Each draw goes through the fit of the unknowns, linearised, and then through both gates: the
     largest score against the table's threshold, and the smooth shapes at the level `shapes` [1].
-    Scores and shapes come of the same residual, so that what they share is counted once.
+    Scores and shapes come of the same residual, so that what they share is counted once. As both
+    are linear in it they are normal, and drawn by their covariance.
     """
-    random, count = np.random.default_rng(seed), len(free.columns)
-    largest, loud = [], []
-    for begin in range(0, _DRAWS, _AT_ONCE):
-        drawn = random.standard_normal((count, min(_AT_ONCE, _DRAWS - begin)))
-        left = free.left(drawn)
-        largest.append(table.largest(-(left.T @ table.unit)))
-        loud += [_by_shapes(runs, one) < shapes for one in left.T]
-    sizes, by_shapes = np.concatenate(largest), np.array(loud)
+    scores = table.unit.shape[1]
+    values, vectors = np.linalg.eigh(_covariance(table.unit, free, runs))
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    drawn = np.random.default_rng(seed).standard_normal((_DRAWS, len(root))) @ root.T
+    sizes = table.largest(-drawn[:, :scores])
+    told = (drawn[:, scores:] ** 2).sum(1)
     by_score = sizes > table.threshold
+    by_shapes = chi2.sf(told, len(root) - scores) < shapes
     return Calibration(
         np.sort(sizes),
         float(by_score.mean()),
@@ -59,6 +58,13 @@ def calibration(
     )
 
 
-def _by_shapes(runs: list[Block], residual: Float[np.ndarray, " values"]) -> float:
-    told, count, _ = omnibus(runs, residual)
-    return float(chi2.sf(told, count))
+def _covariance(
+    unit: Float[np.ndarray, "values columns"], free: Projection, runs: list[Block]
+) -> Float[np.ndarray, "told told"]:
+    """Of the scores, and of the coefficients of smooth shapes, of what the fit leaves of noise [1].
+
+    The signatures `unit` are what the fit leaves already.
+    """
+    of_scores, of_free = in_shapes(runs, unit), in_shapes(runs, free.columns)
+    taken = of_free @ cho_solve(free.factor, of_free.T)
+    return np.block([[unit.T @ unit, of_scores.T], [of_scores, shape_products(runs) - taken]])

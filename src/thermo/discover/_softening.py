@@ -9,6 +9,7 @@ from typing import Final, final
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
+from scipy.linalg import block_diag
 
 from thermo.discover._bench import Apart
 from thermo.discover._extended import whitened
@@ -105,6 +106,28 @@ def softened(
         across = block.in_space @ (block.share * (block.in_space.T @ along))
         part -= np.tensordot(block.in_time, across, 1)
     return made
+
+
+def in_shapes(
+    runs: list[Block], values: Float[np.ndarray, "values columns"]
+) -> Float[np.ndarray, "shapes columns"]:
+    """Coefficients of the smooth shapes of all runs, one after the other, in each column [1]."""
+    found = []
+    for block in runs:
+        part = values[block.part].reshape(*block.shape, -1)
+        along = np.tensordot(block.in_time.T, part, 1)
+        across = np.tensordot(along, block.in_space, (1, 0))
+        found.append(np.moveaxis(across, 1, 2).reshape(-1, values.shape[1]))
+    return np.concatenate(found)
+
+
+def shape_products(runs: list[Block]) -> Float[np.ndarray, "shapes shapes"]:
+    """Products of the smooth shapes with each other [1], in the order of `in_shapes`."""
+    each = (
+        np.kron(block.in_time.T @ block.in_time, block.in_space.T @ block.in_space)
+        for block in runs
+    )
+    return block_diag(*each)
 
 
 def omnibus(
