@@ -13,6 +13,7 @@ from thermo.errors import InputError
 from thermo.mesh import (
     Fine,
     Sizing,
+    Surface,
     box_mesh,
     expected_nodes,
     heat_depth,
@@ -20,6 +21,7 @@ from thermo.mesh import (
     resolution,
     sizing_from_physics,
 )
+from thermo.mesh._node_count import shape_of
 from thermo.mesh._sizing_field import sizing_field, surface_cloud
 from thermo.mesh._thickness import inward_rays
 
@@ -103,6 +105,14 @@ def test_field_is_skin_on_the_surface_and_core_inside(cube):
     np.testing.assert_allclose(values[inside & (distance < 5e-4)], 0.002, rtol=0.1)
     np.testing.assert_allclose(values[inside & (distance > 0.010)], 0.006)
     assert values.min() >= 0.002 and values.max() <= 0.006
+
+
+def test_a_surface_that_is_read_again_is_not_measured_again(cube, ball):
+    again = Surface(cube.vertices.copy(), cube.triangles.copy())
+    assert shape_of(again) is shape_of(cube)
+    wider = Surface(1.001 * cube.vertices, cube.triangles)
+    assert shape_of(wider).diagonal == pytest.approx(1.001 * shape_of(cube).diagonal, rel=1e-12)
+    assert len(shape_of(ball).areas) == len(ball.triangles)
 
 
 def test_the_field_is_fine_where_it_is_asked_for_and_grows_from_there(cube):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final, final
 
 import numpy as np
@@ -55,7 +56,33 @@ class Shape:
 
 
 def shape_of(surface: Surface) -> Shape:
-    """Measure a closed surface; its thickness is the diagonal [m] where no ray comes out."""
+    """Measure a closed surface; its thickness is the diagonal [m] where no ray comes out.
+
+    What was measured last is kept: a fit's meshes are all sized by one surface.
+    """
+    return _measured(*(_Bytes.of(part) for part in (surface.vertices, surface.triangles)))
+
+
+@final
+@dataclass(frozen=True)
+class _Bytes:
+    """An array by its content, so that surfaces read twice from a file are one."""
+
+    content: bytes
+    kind: str
+    shape: tuple[int, ...]
+
+    @staticmethod
+    def of(array: np.ndarray) -> _Bytes:
+        return _Bytes(array.tobytes(), array.dtype.str, array.shape)
+
+    def array(self) -> np.ndarray:
+        return np.frombuffer(self.content, self.kind).reshape(self.shape)
+
+
+@lru_cache(maxsize=2)
+def _measured(vertices: _Bytes, triangles: _Bytes) -> Shape:
+    surface = Surface(vertices.array(), triangles.array())
     normals, areas = triangle_normals(surface.vertices, surface.triangles)
     rays = inward_rays(surface)
     through = rays.lengths
