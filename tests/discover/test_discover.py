@@ -237,7 +237,7 @@ def counted() -> Iterator[list[str]]:
 
     with pytest.MonkeyPatch.context() as patch:
         for room, name in [
-            (_standing, "descend"), (_scoring, "signatures"), (_bench, "finer_readings"),
+            (_standing, "descend"), (_scoring, "signatures"), (_bench, "finer_temperatures"),
             (_bench, "readings"), (_path, "calibration"),
         ]:  # fmt: skip
             patch.setattr(room, name, counting(name, getattr(room, name)))
@@ -293,7 +293,7 @@ def test_what_another_question_left_is_not_taken(
     with counted() as done:
         found = asked(weak, folder)
     assert discovery_record(found) == discovery_record(named)
-    assert "descend" in done and "signatures" in done and "finer_readings" in done
+    assert "descend" in done and "signatures" in done and "finer_temperatures" in done
 
 
 def test_two_effects_are_both_named_and_their_strengths_are_those_of_one_fit(scene: Scene) -> None:

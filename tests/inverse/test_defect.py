@@ -12,8 +12,16 @@ import pytest
 from jaxtyping import Array
 
 from thermo.inverse import LevenbergMarquardt, Meshing, OnControlPoints, Prior, Stepping
+from thermo.inverse._addition import AbstractReadingAddition
 from thermo.inverse._case import in_kelvin
-from thermo.inverse._defect import defect_sizes, defects, with_defects, with_shared
+from thermo.inverse._conditions import Conditions
+from thermo.inverse._defect import (
+    defect_sizes,
+    defects,
+    finer_readings,
+    with_defects,
+    with_shared,
+)
 from thermo.inverse._objective import Objective, residual, run_parts, start
 from thermo.inverse._reading_errors import whiten
 from thermo.inverse._stages import make_stage
@@ -34,6 +42,15 @@ def shortened(run: Run) -> Run:
         valid=record.valid[:-FEWER],
     )
     return replace(run, recording=kept)
+
+
+class Late(AbstractReadingAddition):
+    """Each frame is read as the one before it was, from where the body began."""
+
+    def to_readings(self, temperature: Array, time: Array, under: Conditions) -> Array:
+        assert len(time) == len(temperature)
+        first = jnp.full_like(temperature[:1], under.initial)
+        return jnp.concatenate([first, temperature[:-1]])
 
 
 @pytest.fixture(scope="module")
@@ -114,3 +131,23 @@ def test_recordings_do_not_enter(task: Task, ready: Ready, plain: Objective) -> 
         measured(task, ready, plain), measured(other, ready, plain), strict=True
     ):
         assert np.array_equal(mine, theirs)
+
+
+def test_readings_of_finer_runs_are_laid_out_as_the_cases(
+    task: Task, ready: Ready, plain: Objective
+) -> None:
+    # Frames that a fit has, of all that the recordings have, numbered.
+    shapes = [task.runs[number].recording.temperature.shape for number in plain.sequence]
+    body_at = [300.0 + np.arange(np.prod(one), dtype=float).reshape(one) for one in shapes]
+    (case,) = plain.cases
+    for additions, before in (((), 0), ((Late(),), 1)):
+        (laid,) = finer_readings(task, ready, plain, body_at, additions)
+        for row, number, all_frames in zip(laid, plain.sequence, body_at, strict=True):
+            run = task.runs[number]
+            wanted = np.asarray(ready.grids[run.name].frame_time)
+            at = np.abs(run.recording.time[:, None] - wanted).argmin(axis=0)
+            first = np.full_like(all_frames[:1], run.initial_temperature)
+            read = np.concatenate([first, all_frames])[at + 1 - before]
+            np.testing.assert_allclose(row[: len(wanted)], read)
+            assert np.isnan(row[len(wanted) :]).all()
+        assert laid.shape == case.data.shape

@@ -22,6 +22,7 @@ from thermo.inverse import (
     at_once,
     coarse_tangents,
     finer_readings,
+    finer_temperatures,
     lay_out,
     make_objective,
     mesh_for,
@@ -208,11 +209,15 @@ def _apart(memory: Memory, wanted: Apart, objective: Objective, point: Extended)
 def finer_runs(bench: Bench, point: Extended) -> Apart:
     """What a point reads on the finer mesh [K], laid out as the cases of the bench."""
     # What is absent changes nothing, and a smaller program compiles sooner.
-    here, busy = (bench.ready, bench.coarse, point.fields, bench.finer), _at_work(point)
+    busy = _at_work(point)
+    task, ready, like = bench.task, bench.ready, bench.coarse
+    # Effects on the readings take no runs of their own.
+    heat = tuple(one for one in busy if not isinstance(one, AbstractReadingCandidate))
+    here = ready, like, point.fields, bench.finer, heat
     made = bench.memory.recalled(
-        "finer", (bench.task.key(), *here, busy), lambda: finer_readings(bench.task, *here, busy)
+        "finer", (task.key(), *here), lambda: finer_temperatures(task, *here)
     )
-    return [jnp.asarray(one) for one in made]
+    return [jnp.asarray(one) for one in finer_readings(task, ready, like, made, busy)]
 
 
 def _at_work(point: Extended) -> tuple[Candidate, ...]:

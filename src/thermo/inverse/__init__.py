@@ -16,6 +16,7 @@ from thermo.inverse._defect import (
     DEFECT_SPREAD,
     defect_sizes,
     finer_readings,
+    finer_temperatures,
     with_defects,
     with_remainders,
 )
@@ -134,6 +135,7 @@ __all__ = [
     "defect_sizes",
     "field_scores",
     "finer_readings",
+    "finer_temperatures",
     "invert",
     "law_of",
     "lay_out",

@@ -13,7 +13,7 @@ from jaxtyping import Array, Float
 
 from thermo._compiled import program
 from thermo.errors import InputError
-from thermo.inverse._addition import Addition
+from thermo.inverse._addition import AbstractReadingAddition, Addition, read_as
 from thermo.inverse._estimate import recovered
 from thermo.inverse._forward import forward
 from thermo.inverse._objective import (
@@ -83,7 +83,9 @@ def defects(
     there, here = at_once(
         lambda read: read(),
         (
-            lambda: finer_readings(task, ready, before, start(before), finer),
+            lambda: finer_readings(
+                task, ready, before, finer_temperatures(task, ready, before, start(before), finer)
+            ),
             lambda: [np.asarray(one) for one in _temperatures(before)],
         ),
     )
@@ -93,18 +95,18 @@ def defects(
     ]
 
 
-def finer_readings(
+def finer_temperatures(
     task: Task,
     ready: Ready,
     like: Objective,
     parameters: Parameters,
     mesh: Mesh,
     additions: tuple[Addition, ...] = (),
-) -> list[Float[np.ndarray, "runs frames samples"]]:
-    """What finer runs read [K], laid out as the cases of `like`; NaN where a run has nothing.
+) -> list[Float[np.ndarray, "_frames _samples"]]:
+    """Temperatures of finer runs [K], each at all frames of its recording, in the order of `like`.
 
     Arguments: `parameters`: of its fields [1]; `mesh`: the finer one [m]; `additions` as for
-    `forward`.
+    `forward`, of which those to the readings are left for `finer_readings`.
     """
     found = recovered(with_fields(like, parameters))
     own = {name: (item.cells, item.faces) for name, item in found.items()}
@@ -113,20 +115,40 @@ def finer_readings(
         for body, values in ((ready.mesh, own), (mesh, carry_over(found, ready.mesh, mesh)))
     )
     tolerance = SHORTER * task.stepping.tolerance
+    heat = tuple(one for one in additions if not isinstance(one, AbstractReadingAddition))
 
-    def read(run: Run) -> Float[np.ndarray, "frames samples"]:
+    def solved(run: Run) -> Float[np.ndarray, "frames samples"]:
         where = f"{task.scene.folder}: runs.{run.name}.recording"
         # Planned where it costs little: how fast a body changes shows on the fit's mesh too.
         steps = free_grid(ready.mesh, near, run, tolerance=tolerance)
-        finer = forward(mesh, task.meshing.order, run, {"here": far}, steps, where, additions)
-        wanted = np.asarray(ready.grids[run.name].frame_time)
-        return finer.temperature[np.searchsorted(finer.time, wanted - 1e-9)]
+        return forward(mesh, task.meshing.order, run, {"here": far}, steps, where, heat).temperature
 
-    every = iter(at_once(read, [task.runs[number] for number in like.sequence]))
+    return at_once(solved, [task.runs[number] for number in like.sequence])
+
+
+def finer_readings(
+    task: Task,
+    ready: Ready,
+    like: Objective,
+    temperatures: Sequence[Float[np.ndarray, "_frames _samples"]],
+    additions: tuple[Addition, ...] = (),
+) -> list[Float[np.ndarray, "runs frames samples"]]:
+    """What is read [K] of `finer_temperatures` [K], laid out as the cases of `like`.
+
+    NaN where a run has nothing. What is read is another thing at each frame, and asks for no other
+    run of the body.
+    """
+    every = iter(zip(like.sequence, temperatures, strict=True))
     laid = [np.full(case.data.shape, np.nan) for case in like.cases]
-    for row in (row for rows in laid for row in rows):
-        one = next(every)
-        row[tuple(slice(length) for length in one.shape)] = one
+    for case, rows in zip(like.cases, laid, strict=True):
+        for number, row in enumerate(rows):
+            which, body_at = next(every)
+            run, samples = task.runs[which], body_at.shape[1]
+            under = jax.tree.map(lambda leaf, here=number: leaf[here], case.under)
+            time, pinned = jnp.asarray(run.recording.time), case.pinned[number, :samples]
+            read = np.asarray(read_as(jnp.asarray(body_at), time, under, pinned, additions))
+            wanted = np.asarray(ready.grids[run.name].frame_time)
+            row[: len(wanted), :samples] = read[np.searchsorted(run.recording.time, wanted - 1e-9)]
     return laid
 
 
