@@ -82,8 +82,8 @@ class Place(eqx.Module):
     def shapes(self, at: Float[Array, "*any 3"]) -> Float[Array, "places *any"]:
         """Share of each place's full strength [1] at points [m]."""
         assert self.centre is not None, "a depth has no shape of its own"
-        ways = [(at - c) / s for c, s in zip(self.centre, self.size, strict=True)]
-        return jnp.stack([jnp.exp(-jnp.sum(way**2, -1) / 2) for way in ways])
+        # One program for all places: written down for each, most of a search's compiling is this.
+        return jax.vmap(lambda c, s: _bell((at - c) / s))(self.centre, self.size)
 
 
 @final
@@ -104,13 +104,15 @@ class Inclusion(eqx.Module):
 
     def shapes(self, at: Float[Array, "*any 3"]) -> Float[Array, "places *any"]:
         """Share of each place's full strength [1] at points [m]."""
-        places = zip(self.centre, self.size, self.squareness, self.sharpness, strict=True)
-        return jnp.stack([_inside((at - c) / s, square, sharp) for c, s, square, sharp in places])
+        return jax.vmap(lambda c, s, square, sharp: _inside((at - c) / s, square, sharp))(
+            self.centre, self.size, self.squareness, self.sharpness
+        )
 
     def normals(self, at: Float[Array, "*any 3"]) -> Float[Array, "places *any 3"]:
         """Normals [1] of the surfaces r = constant through points [m]; along z in the middle."""
-        places = zip(self.centre, self.size, self.squareness, strict=True)
-        return jnp.stack([unit(_outward((at - c) / s, square) / s) for c, s, square in places])
+        return jax.vmap(lambda c, s, square: unit(_outward((at - c) / s, square) / s))(
+            self.centre, self.size, self.squareness
+        )
 
     def only(self, part: int) -> Inclusion:
         """One of the places [m]."""
@@ -126,6 +128,10 @@ class Inclusion(eqx.Module):
         square = float(self.squareness[part])
         radius = np.sum(np.abs(ways) ** square, axis=1, keepdims=True) ** (1 / square)
         return np.asarray(self.centre[part]) + ways / radius * np.asarray(self.size[part])
+
+
+def _bell(way: Float[Array, "*any 3"]) -> Float[Array, "*any"]:
+    return jnp.exp(-jnp.sum(way**2, -1) / 2)
 
 
 def _inside(

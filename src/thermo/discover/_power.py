@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final, final
 
 import numpy as np
@@ -63,10 +64,16 @@ def strength_found(score: Score, threshold: float, share: float) -> float:
     count = len(score.entry.strengths)
     if count == 1 and score.entry.card.low >= 0:
         return score.sd * (threshold + float(norm.ppf(share)))
+    return score.sd * _away(threshold, count, share)
+
+
+@lru_cache
+def _away(threshold: float, count: int, share: float) -> float:
+    """Deviations [1] at which so many strengths together pass the threshold in a share of cases."""
     limit = float(chi2.isf(2 * norm.sf(threshold), count))
 
     def missing(away: float) -> float:
         return float(ncx2.sf(limit, count, away**2)) - share
 
     bracket = (1e-3, float(np.sqrt(limit)) + _SURE)
-    return score.sd * float(root_scalar(missing, bracket=bracket).root)
+    return float(root_scalar(missing, bracket=bracket).root)
