@@ -27,7 +27,8 @@ ROOMS = (
     "app",
 )
 # Modules at the top that belong to no room: what they may import is what stands left of the rank.
-TOP = {"_cache_folder": -1, "_duration": -1, "_say": -1, "_compiled": 0, "_conflict": 0}
+TOP = dict.fromkeys(("_cache_folder", "_duration", "_say", "_remembered"), -1)
+TOP |= {"_compiled": 0, "_conflict": 0}
 TOP |= dict.fromkeys(("__init__", "__main__"), len(ROOMS))
 SILENT = ROOMS[: ROOMS.index("report")]
 WITH_UNITS = SILENT[1:]

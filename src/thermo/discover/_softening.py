@@ -127,7 +127,7 @@ def shape_products(runs: list[Block]) -> Float[np.ndarray, "shapes shapes"]:
         np.kron(block.in_time.T @ block.in_time, block.in_space.T @ block.in_space)
         for block in runs
     )
-    return block_diag(*each)
+    return np.asarray(block_diag(*each))
 
 
 def omnibus(

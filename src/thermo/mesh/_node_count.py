@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Final, final
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from scipy.spatial import KDTree
+
+from thermo._remembered import remembered
 
 from ._edges import edge_table
 from ._geometry import triangle_normals
@@ -60,29 +61,14 @@ def shape_of(surface: Surface) -> Shape:
 
     What was measured last is kept: a fit's meshes are all sized by one surface.
     """
-    return _measured(*(_Bytes.of(part) for part in (surface.vertices, surface.triangles)))
+    return _measured(surface.vertices, surface.triangles)
 
 
-@final
-@dataclass(frozen=True)
-class _Bytes:
-    """An array by its content, so that surfaces read twice from a file are one."""
-
-    content: bytes
-    kind: str
-    shape: tuple[int, ...]
-
-    @staticmethod
-    def of(array: np.ndarray) -> _Bytes:
-        return _Bytes(array.tobytes(), array.dtype.str, array.shape)
-
-    def array(self) -> np.ndarray:
-        return np.frombuffer(self.content, self.kind).reshape(self.shape)
-
-
-@lru_cache(maxsize=2)
-def _measured(vertices: _Bytes, triangles: _Bytes) -> Shape:
-    surface = Surface(vertices.array(), triangles.array())
+@remembered(2)
+def _measured(
+    vertices: Float[np.ndarray, "vertices 3"], triangles: Int[np.ndarray, "triangles 3"]
+) -> Shape:
+    surface = Surface(vertices, triangles)
     normals, areas = triangle_normals(surface.vertices, surface.triangles)
     rays = inward_rays(surface)
     through = rays.lengths

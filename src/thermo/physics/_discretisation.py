@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import final
 
 import equinox as eqx
@@ -11,6 +12,7 @@ from jaxtyping import Array, Float, Int
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
+from thermo._remembered import remembered
 from thermo.mesh import Mesh, cell_volumes, face_areas
 from thermo.physics._coarse_spaces import CoarseSpaces, coarse_spaces
 from thermo.physics._gather_sum import GatherSum, gather_sum, gather_to
@@ -101,6 +103,13 @@ def discretise(mesh: Mesh, reach: float = 0.0) -> Discretisation:
     - `reach`: diffusivity times the weight of a step in its matrix [m2], the square of how far heat
       goes in it. Where that is many cells, coarser spaces of the mesh help the solver along.
     """
+    space = _prepared(mesh)
+    return replace(space, coarse=coarse_spaces(space.mesh, np.asarray(space.gradient), reach))
+
+
+@remembered(4)
+def _prepared(mesh: Mesh) -> Discretisation:
+    """A mesh [m] without coarser spaces: a search simulates on a few meshes over and over."""
     mesh = _renumber(mesh)
     count = len(mesh.nodes)
     pairs, cell_edge = cell_pairs(mesh.cells, count)
@@ -126,7 +135,7 @@ def discretise(mesh: Mesh, reach: float = 0.0) -> Discretisation:
         face_shape=face_shape(points, mesh.order),
         face_weight=face_areas(mesh)[:, None] * weights,
         face_point=np.einsum("qa,fax->fqx", points, mesh.nodes[mesh.faces[:, :3]]),
-        coarse=coarse_spaces(mesh, gradient, reach),
+        coarse=None,
     )
 
 
