@@ -25,6 +25,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from thermo._compiled import _options as asking
+from thermo._remembered import forget
 from thermo.inverse import Meshing, log_model
 from thermo.inverse._objective import jacobian, start
 from thermo.mesh import ball_mesh
@@ -99,6 +100,7 @@ def main() -> None:
     print(*COLUMNS)
     for cost, asked in WAYS:
         pattern.GATHER_COST = cost
+        forget()
         for name, rows, function, given in programs():
             gathers = sum(block.shape[1] for block in rows.columns)
             entries = sum(block.size for block in rows.columns)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from thermo._remembered import remembered
+from thermo._remembered import forget, remembered
 from thermo.mesh import Mesh, box_mesh
 from thermo.physics import discretise
 
@@ -63,6 +63,13 @@ def test_what_was_asked_longest_ago_is_dropped(total: Callable[..., float], seen
     for times in (1.0, 2.0, 1.0, 3.0, 1.0, 2.0):
         total(np.ones(1), times)
     assert seen == [1.0, 2.0, 3.0, 2.0]
+
+
+def test_what_is_forgotten_is_worked_out_again(total: Callable[..., float], seen: Seen) -> None:
+    for _ in range(2):
+        total(np.ones(1))
+        forget()
+    assert seen == [1.0, 1.0]
 
 
 def test_what_fails_is_not_kept(seen: Seen) -> None:

@@ -7,13 +7,16 @@ import hashlib
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import jax
 import numpy as np
 
 Taken = ParamSpec("Taken")
 Given = TypeVar("Given")
+
+
+_every: list[OrderedDict[Hashable, Any]] = []
 
 
 def remembered(most: int) -> Callable[[Callable[Taken, Given]], Callable[Taken, Given]]:
@@ -26,6 +29,7 @@ def remembered(most: int) -> Callable[[Callable[Taken, Given]], Callable[Taken, 
     def decorated(function: Callable[Taken, Given]) -> Callable[Taken, Given]:
         kept: OrderedDict[Hashable, Given] = OrderedDict()
         lock = threading.Lock()
+        _every.append(kept)
 
         @functools.wraps(function)
         def run(*args: Taken.args, **kwargs: Taken.kwargs) -> Given:
@@ -45,6 +49,12 @@ def remembered(most: int) -> Callable[[Callable[Taken, Given]], Callable[Taken, 
         return run
 
     return decorated
+
+
+def forget() -> None:
+    """Drop all that is kept: for tests and measurements that change what functions depend on."""
+    for kept in _every:
+        kept.clear()
 
 
 def _content(taken: object) -> Hashable:

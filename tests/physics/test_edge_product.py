@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from thermo._remembered import forget
 from thermo.mesh import ball_mesh, promote
 from thermo.physics import Discretisation, _pattern, discretise
 from thermo.physics._edge_product import difference_product, edge_product
@@ -48,6 +51,15 @@ def test_products_are_those_of_the_dense_matrix(space: Discretisation) -> None:
     np.testing.assert_allclose(by_rows, difference, rtol=0, atol=1e-13)
 
 
+@pytest.fixture
+def afresh() -> Iterator[None]:
+    """Patterns are made anew, and those that a test made otherwise are not kept."""
+    forget()
+    yield
+    forget()
+
+
+@pytest.mark.usefixtures("afresh")
 @pytest.mark.parametrize(("few", "longest"), [(0, _pattern.RUN), (10**6, _pattern.SHORT_RUN)])
 def test_rows_are_cut_in_shorter_runs_where_nodes_are_few(
     monkeypatch: pytest.MonkeyPatch, few: int, longest: int
@@ -62,12 +74,14 @@ def test_rows_are_cut_in_shorter_runs_where_nodes_are_few(
     np.testing.assert_allclose(product, wanted, rtol=0, atol=1e-12)
 
 
+@pytest.mark.usefixtures("afresh")
 def test_a_dear_gather_makes_fewer_of_them_and_more_padding(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     mesh = promote(ball_mesh(0.02, 6))
     there = discretise(mesh).pattern
     monkeypatch.setattr(_pattern, "GATHER_COST", 2 * _pattern.GATHER_COST)
+    forget()
     here = discretise(mesh).pattern
     gathers, entries = zip(
         *((sum(b.shape[1] for b in one.columns), sum(b.size for b in one.columns))
