@@ -15,13 +15,23 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from lit_box import MESH, STATED, within
 
-from thermo.discover import _bench
-from thermo.discover._bench import Apart, Bench, corrected, edge_of, finest, resolved
+from thermo.discover import Candidate, _bench
+from thermo.discover._bench import (
+    Apart,
+    Bench,
+    corrected,
+    edge_of,
+    finer_runs,
+    finest,
+    resolved,
+)
 from thermo.discover._extended import Extended, readings
+from thermo.discover._memory import Memory
 from thermo.discover.candidates import ClockOffset, HeaterPower
 from thermo.errors import InputError
 from thermo.inverse import FINER, Meshing, Ready, mesh_for, start, with_defects, with_remainders
 from thermo.mesh import Fine, Mesh
+from thermo.physics import uniform_steps
 
 from .lit_objective import box_task, objective
 
@@ -124,3 +134,30 @@ def test_a_clock_that_is_off_reads_the_body_as_it_is_on_finer_cells(
     anew = corrected(after, quiet, finer_runs(bench, quiet))
     for case, body in zip(anew.coarse.cases, wrong, strict=True):
         assert np.allclose(case.defect, body) and not np.any(case.remainder)
+
+
+def test_effects_on_the_readings_share_the_runs_of_the_body(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    task, coarse = box_task(tmp_path), objective()
+    times = {one.name: one.recording.time for one in task.runs}
+    grids = {name: uniform_steps(time, float(time[-1])) for name, time in times.items()}
+    ready = Ready(MESH, STATED, {}, {}, grids, {})
+    bench = Bench(task, ready, coarse, MESH, Memory())
+    asked: list[tuple[Candidate, ...]] = []
+
+    def temperatures(task: Task, *given: Any) -> list[np.ndarray]:
+        asked.append(given[-1])
+        records = [task.runs[number].recording for number in coarse.sequence]
+        return [np.full(one.temperature.shape, 300.0) + one.time[:, None] for one in records]
+
+    monkeypatch.setattr(_bench, "finer_temperatures", temperatures)
+    lamp, late = HeaterPower(jnp.array([0.1])), ClockOffset(jnp.array([0.7]))
+    still = finer_runs(bench, Extended(start(coarse), (lamp,)))
+    moved = finer_runs(bench, Extended(start(coarse), (late, lamp)))
+    assert asked == [(lamp,)]
+    for one, other in zip(still, moved, strict=True):
+        known = np.isfinite(one)
+        assert np.array_equal(known, np.isfinite(other)) and known.any()
+        # A body that warms by a kelvin a second is read 0.7 K off, all through or nearly so.
+        assert np.median(np.abs(np.asarray(other - one)[known])) == pytest.approx(0.7, rel=1e-3)

@@ -49,6 +49,20 @@ def test_without_a_folder_nothing_is_written_and_the_arrays_are_the_same(made: n
         assert found.tobytes() == np.ascontiguousarray(made.T).tobytes()
 
 
+@pytest.mark.parametrize("folder", [True, False])
+def test_the_last_piece_of_a_kind_is_at_hand(tmp_path: Path, folder: bool) -> None:
+    work, memory = Worker(*WORK), Memory(tmp_path if folder else None, "mine")
+    first, again = (memory.lately("finer", 1.5, work) for _ in range(2))
+    assert work.times == 1 and again is first and memory.spared == []
+    # Another kind leaves it there, another piece of its own takes its place.
+    memory.lately("other", 1.5, work)
+    assert memory.lately("finer", 1.5, work) is first
+    memory.lately("finer", 2.5, work)
+    assert work.times == 3
+    memory.lately("finer", 1.5, work)
+    assert work.times == (3 if folder else 4)
+
+
 @pytest.mark.parametrize(("asked", "kind", "of"), [
     ("theirs", "fit", 1.5), ("mine", "scores", 1.5), ("mine", "fit", 2.5),
 ])  # fmt: skip

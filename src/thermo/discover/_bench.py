@@ -214,7 +214,7 @@ def finer_runs(bench: Bench, point: Extended) -> Apart:
     # Effects on the readings take no runs of their own.
     heat = tuple(one for one in busy if not isinstance(one, AbstractReadingCandidate))
     here = ready, like, point.fields, bench.finer, heat
-    made = bench.memory.recalled(
+    made = bench.memory.lately(
         "finer", (task.key(), *here), lambda: finer_temperatures(task, *here)
     )
     return [jnp.asarray(one) for one in finer_readings(task, ready, like, made, busy)]

@@ -33,6 +33,7 @@ class Memory:
     - `folder`: where each piece is a file, written whole or not at all; None keeps nothing.
     - `asked`: stands for this package, others and the candidates' own code.
     - `spared`: how long each piece that was found again had taken [s].
+    - `latest`: of each kind that is asked for `lately`, the last piece and what it follows from.
 
     A piece is found by a hash of everything that it was made from. One of another question is
     never taken for one of this, and one that is damaged is made anew. Where the folder takes no
@@ -42,6 +43,7 @@ class Memory:
     folder: Path | None = None
     asked: str = ""
     spared: list[float] = field(default_factory=list)
+    latest: dict[str, tuple[str, list[np.ndarray]]] = field(default_factory=dict)
 
     def recalled(
         self, kind: str, of: object, make: Callable[[], Iterable[np.ndarray]]
@@ -63,6 +65,17 @@ class Memory:
         arrays = _plain(make())
         _write(file, key, time.monotonic() - begun, arrays)
         return arrays
+
+    def lately(
+        self, kind: str, of: object, make: Callable[[], Iterable[np.ndarray]]
+    ) -> list[np.ndarray]:
+        """As `recalled`, without a folder as well where it was the last piece of its kind."""
+        key = fingerprint(self.asked, kind, of)
+        kept = self.latest.get(kind)
+        if kept is None or kept[0] != key:
+            kept = key, self.recalled(kind, of, make)
+            self.latest[kind] = kept
+        return kept[1]
 
 
 def memory_of(folder: Path | None, candidates: Iterable[Candidate]) -> Memory:
