@@ -10,7 +10,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from thermo.discover._candidate import AbstractReadingCandidate, Candidate
+from thermo.discover._candidate import (
+    AbstractHeatCandidate,
+    AbstractReadingCandidate,
+    Candidate,
+)
 from thermo.discover._extended import Extended, readings
 from thermo.discover._memory import Memory
 from thermo.errors import InputError
@@ -212,7 +216,7 @@ def finer_runs(bench: Bench, point: Extended) -> Apart:
     busy = _at_work(point)
     task, ready, like = bench.task, bench.ready, bench.coarse
     # Effects on the readings take no runs of their own.
-    heat = tuple(one for one in busy if not isinstance(one, AbstractReadingCandidate))
+    heat = tuple(one for one in busy if isinstance(one, AbstractHeatCandidate))
     here = ready, like, point.fields, bench.finer, heat
     made = bench.memory.lately(
         "finer", (task.key(), *here), lambda: finer_temperatures(task, *here)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final, final
+from typing import final
 
 import numpy as np
 from jaxtyping import Float
@@ -11,10 +11,8 @@ from scipy.linalg import cho_solve
 from scipy.stats import chi2
 
 from thermo.discover._projection import Projection
-from thermo.discover._scores import ScoreTable
+from thermo.discover._scores import ScoreTable, normal_draws
 from thermo.discover._softening import Block, in_shapes, shape_products
-
-_DRAWS: Final = 4000
 
 
 @final
@@ -43,13 +41,11 @@ def calibration(
     are linear in it they are normal, and drawn by their covariance.
     """
     scores = table.unit.shape[1]
-    values, vectors = np.linalg.eigh(_covariance(table.unit, free, runs))
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
-    drawn = np.random.default_rng(seed).standard_normal((_DRAWS, len(root))) @ root.T
-    sizes = table.largest(-drawn[:, :scores])
+    drawn = normal_draws(_covariance(table.unit, free, runs), seed)
+    sizes = table.largest(drawn[:, :scores])
     told = (drawn[:, scores:] ** 2).sum(1)
     by_score = sizes > table.threshold
-    by_shapes = chi2.sf(told, len(root) - scores) < shapes
+    by_shapes = chi2.sf(told, drawn.shape[1] - scores) < shapes
     return Calibration(
         np.sort(sizes),
         float(by_score.mean()),

@@ -155,10 +155,17 @@ def _threshold(
     """What the largest score passes with chance `alpha` [1] where nothing is missing."""
     if not scores:
         return float(norm.isf(alpha / 2))
-    values, vectors = np.linalg.eigh(alike)
-    root = vectors * np.sqrt(np.maximum(values, 0.0))
-    draws = np.random.default_rng(seed).standard_normal((_DRAWS, len(alike))) @ root.T
+    draws = normal_draws(alike, seed)
     return float(np.quantile(_largest(draws, alike, scores), 1 - alpha))
+
+
+def normal_draws(
+    covariance: Float[np.ndarray, "columns columns"], seed: int
+) -> Float[np.ndarray, "draws columns"]:
+    """Normal values of mean zero with a covariance, which may be singular."""
+    values, vectors = np.linalg.eigh(covariance)
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    return np.random.default_rng(seed).standard_normal((_DRAWS, len(covariance))) @ root.T
 
 
 def _largest(

@@ -46,9 +46,13 @@ class Block:
     level: float
     readings: int
 
-    def coefficients(self, values: Float[np.ndarray, " values"]) -> Float[np.ndarray, "time space"]:
-        """Of whitened values [1], those of the smooth shapes."""
-        return self.in_time.T @ values[self.part].reshape(self.shape) @ self.in_space
+    def coefficients(
+        self, values: Float[np.ndarray, "values *columns"]
+    ) -> Float[np.ndarray, "time space *columns"]:
+        """Of whitened values [1], or of columns of them, those of the smooth shapes."""
+        part = values[self.part].reshape(*self.shape, *values.shape[1:])
+        along = np.tensordot(self.in_time.T, part, 1)
+        return np.moveaxis(np.tensordot(self.in_space.T, along, (1, 1)), 0, 1)
 
 
 def blocks(objective: Objective, task: Task, left: Apart) -> list[Block]:
@@ -112,13 +116,8 @@ def in_shapes(
     runs: list[Block], values: Float[np.ndarray, "values columns"]
 ) -> Float[np.ndarray, "shapes columns"]:
     """Coefficients of the smooth shapes of all runs, one after the other, in each column [1]."""
-    found = []
-    for block in runs:
-        part = values[block.part].reshape(*block.shape, -1)
-        along = np.tensordot(block.in_time.T, part, 1)
-        across = np.tensordot(along, block.in_space, (1, 0))
-        found.append(np.moveaxis(across, 1, 2).reshape(-1, values.shape[1]))
-    return np.concatenate(found)
+    count = values.shape[1]
+    return np.concatenate([block.coefficients(values).reshape(-1, count) for block in runs])
 
 
 def shape_products(runs: list[Block]) -> Float[np.ndarray, "shapes shapes"]:

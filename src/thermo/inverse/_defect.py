@@ -13,7 +13,7 @@ from jaxtyping import Array, Float
 
 from thermo._compiled import program
 from thermo.errors import InputError
-from thermo.inverse._addition import AbstractReadingAddition, Addition, read_as
+from thermo.inverse._addition import AbstractHeatAddition, Addition, read_as
 from thermo.inverse._estimate import recovered
 from thermo.inverse._forward import forward
 from thermo.inverse._objective import (
@@ -101,12 +101,14 @@ def finer_temperatures(
     like: Objective,
     parameters: Parameters,
     mesh: Mesh,
-    additions: tuple[Addition, ...] = (),
+    additions: tuple[AbstractHeatAddition, ...] = (),
 ) -> list[Float[np.ndarray, "_frames _samples"]]:
     """Temperatures of finer runs [K], each at all frames of its recording, in the order of `like`.
 
-    Arguments: `parameters`: of its fields [1]; `mesh`: the finer one [m]; `additions` as for
-    `forward`, of which those to the readings are left for `finer_readings`.
+    Arguments: `parameters`: of its fields [1]; `mesh`: the finer one [m]; `additions` to the heat
+    equation.
+
+    Raises `InputError` where there can be no such temperatures, see `forward`.
     """
     found = recovered(with_fields(like, parameters))
     own = {name: (item.cells, item.faces) for name, item in found.items()}
@@ -115,13 +117,14 @@ def finer_temperatures(
         for body, values in ((ready.mesh, own), (mesh, carry_over(found, ready.mesh, mesh)))
     )
     tolerance = SHORTER * task.stepping.tolerance
-    heat = tuple(one for one in additions if not isinstance(one, AbstractReadingAddition))
 
     def solved(run: Run) -> Float[np.ndarray, "frames samples"]:
         where = f"{task.scene.folder}: runs.{run.name}.recording"
         # Planned where it costs little: how fast a body changes shows on the fit's mesh too.
         steps = free_grid(ready.mesh, near, run, tolerance=tolerance)
-        return forward(mesh, task.meshing.order, run, {"here": far}, steps, where, heat).temperature
+        return forward(
+            mesh, task.meshing.order, run, {"here": far}, steps, where, additions
+        ).temperature
 
     return at_once(solved, [task.runs[number] for number in like.sequence])
 
@@ -135,8 +138,8 @@ def finer_readings(
 ) -> list[Float[np.ndarray, "runs frames samples"]]:
     """What is read [K] of `finer_temperatures` [K], laid out as the cases of `like`.
 
-    NaN where a run has nothing. What is read is another thing at each frame, and asks for no other
-    run of the body.
+    NaN where a run has nothing. Effects on the readings, of all `additions` those that count here,
+    ask for no other run of the body.
     """
     every = iter(zip(like.sequence, temperatures, strict=True))
     laid = [np.full(case.data.shape, np.nan) for case in like.cases]
