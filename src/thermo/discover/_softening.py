@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -14,6 +15,7 @@ from scipy.linalg import block_diag
 from thermo.discover._bench import Apart
 from thermo.discover._extended import whitened
 from thermo.discover._modes import space_modes, time_modes
+from thermo.discover.candidates._between_frames import between_frames
 from thermo.inverse import DEFECT_LEFT, Objective, Task
 from thermo.observe import variance_error
 
@@ -160,6 +162,9 @@ def stamp_columns(
 ) -> Float[np.ndarray, "values runs"]:
     """A column for each run: what it would read were its stamps off by `STAMP`, whitened [1].
 
+    As a clock that is off reads it, or just after a switch the difference between two accounts of
+    the same would tell such a clock far better than stamps are known.
+
     Arguments: `read`: what is read at the standing [K]; `count` as in `error_columns`.
     """
     slopes = []
@@ -168,7 +173,7 @@ def stamp_columns(
         for when, one in zip(np.asarray(case.time), np.asarray(group), strict=True):
             own = slice(_own_frames(when))
             apart = np.zeros_like(one)
-            apart[own] = np.gradient(one[own], when[own], axis=0)
+            apart[own] = _rates(one, when)[own]
             rows.append(STAMP * np.median(np.diff(when[own])) * apart)
         slopes.append(jnp.asarray(np.stack(rows)))
     white = np.asarray(whitened(objective, slopes))
@@ -176,3 +181,15 @@ def stamp_columns(
     for number, block in enumerate(runs):
         made[block.part, number] = white[block.part]
     return made
+
+
+def _rates(
+    read: Float[np.ndarray, "frames samples"], when: Float[np.ndarray, " frames"]
+) -> Float[np.ndarray, "frames samples"]:
+    """How fast what is read changes from where each frame is [K/s]; its times [s]."""
+    values, time = jnp.asarray(read), jnp.asarray(when)
+
+    def later(by: Float[Array, ""]) -> Float[Array, "frames samples"]:
+        return between_frames(values, time, time + by)
+
+    return np.asarray(jax.jvp(later, (jnp.zeros(()),), (jnp.ones(()),))[1])
