@@ -67,7 +67,7 @@ def test_runs_of_alike_numbers_of_steps_share_a_program(
     # So many samples has no other test here, whose program would serve.
     readout = ReadOut(np.arange(17)[:, None], np.ones((17, 1)))
     grids = [
-        every_step(uniform_steps(np.array([0.0, 7.3, end]), 1.0, (2.6,))) for end in (20.0, 21.0)
+        every_step(uniform_steps(np.array([0.0, 7.3, end]), 1.0, (2.6,))) for end in (20.0, 30.0)
     ]
     assert len(grids[0].start) != len(grids[1].start) and not any(grid.even for grid in grids)
     for grid in grids:
