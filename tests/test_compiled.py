@@ -8,6 +8,7 @@ import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -103,6 +104,24 @@ def test_a_program_is_what_its_function_is_and_is_compiled_once() -> None:
     np.testing.assert_array_equal(again, [2, 4, 6])
     assert traced == ["once"]
     assert _compiled.program(double).__name__ == "double"
+
+
+def test_numbers_of_weak_type_ask_for_no_program_of_their_own() -> None:
+    traced, asked = [], []
+
+    def double(number: jax.Array) -> jax.Array:
+        traced.append(number)
+        return 2 * number
+
+    def options() -> dict[str, Any]:
+        asked.append("once")
+        return {}
+
+    run = _compiled.program(double, options)
+    weak, strong = jnp.asarray(3.0), jnp.zeros(())
+    assert weak.weak_type and not strong.weak_type
+    assert run(weak) == 6 and run(strong) == 0 and run(number=weak) == 6
+    assert len(traced) == 1 and asked == ["once"]
 
 
 def test_threads_that_need_one_program_at_once_compile_it_once() -> None:

@@ -13,6 +13,7 @@ from typing import Any, Final, ParamSpec, TypeVar, cast, final
 
 import equinox as eqx
 import jax
+import jax.numpy as jnp
 
 from thermo._cache_folder import cache_folder
 
@@ -73,31 +74,40 @@ def _options() -> dict[str, Any]:
     return _OPTIONS
 
 
-def program(function: Callable[Taken, Given]) -> Callable[Taken, Given]:
+def program(
+    function: Callable[Taken, Given], compiled_with: Callable[[], dict[str, Any]] = _options
+) -> Callable[Taken, Given]:
     """The function as `equinox.filter_jit` compiles it, only sooner, and once for all threads.
 
-    Not to be called while another program is traced: options are those of a whole program.
+    Numbers whose type JAX takes for weak, as those made from Python's are, get it for good: they
+    would ask for a program of their own. Not to be called while another program is traced: what it
+    is `compiled_with` is for a whole program.
     """
 
     # Asked for when it first runs: what XLA knows it says by compiling.
     @functools.cache
     def made() -> Callable[Taken, Given]:
         # Its types know of no options; what it does not take itself it hands on to `jax.jit`.
-        return cast(Any, eqx.filter_jit)(function, compiler_options=_options())
+        return cast(Any, eqx.filter_jit)(function, compiler_options=compiled_with())
 
     @functools.wraps(function)
     def run(*args: Taken.args, **kwargs: Taken.kwargs) -> Given:
-        key = (function, *_kind((args, kwargs)))
+        taken = jax.tree.map(_strong, (args, kwargs))
+        key = (function, *_kind(taken))
         with _giving_turns:
-            compiles, turn = made(), _turns.setdefault(key, _Turn())
+            compiles, turn = cast(Any, made()), _turns.setdefault(key, _Turn())
         if turn.compiled:
-            return compiles(*args, **kwargs)
+            return compiles(*taken[0], **taken[1])
         with turn.lock:
-            given = compiles(*args, **kwargs)
+            given = compiles(*taken[0], **taken[1])
             turn.compiled = True
         return given
 
     return run
+
+
+def _strong(leaf: Any) -> Any:
+    return jnp.asarray(leaf, leaf.dtype) if isinstance(leaf, jax.Array) and leaf.weak_type else leaf
 
 
 @final
