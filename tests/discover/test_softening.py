@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from thermo.discover._softening import (
     softened,
     stamp_columns,
 )
+from thermo.discover.candidates import ClockOffset
 from thermo.inverse import DEFECT_LEFT, Objective, Task
 
 from .lit_objective import RUNS, box_task, objective
@@ -229,3 +231,25 @@ def test_stamp_columns_are_what_a_run_would_read_a_little_later(
     white = np.asarray(whitened(real, [jnp.asarray(late)]))
     np.testing.assert_allclose(made.sum(1)[:-PRIORS], white, atol=1e-9 * np.abs(white).max())
     assert np.all(made[found[0].part, 1] == 0) and np.all(made[found[1].part, 0] == 0)
+
+
+def test_stamps_are_off_as_a_clock_is_also_just_after_a_switch(real: Objective, task: Task) -> None:
+    (case,) = real.cases
+    time = case.time[:, :, None]
+    # The root of time is what a skin follows where a lamp has been lit.
+    read = 300.0 + jnp.sqrt(time) * jnp.array([1.0, -2.0, 0.5, 3.0])
+    found = blocks(real, task, [jnp.zeros(read.shape)])
+    made = stamp_columns(found, real, [read], found[-1].part.stop)
+
+    def clock(row: int) -> jax.Array:
+        under = jax.tree.map(lambda leaf: leaf[row], case.under)
+
+        def late(by: jax.Array) -> jax.Array:
+            return ClockOffset(by).to_readings(read[row], case.time[row], under)
+
+        return jax.jvp(late, (jnp.zeros(1),), (jnp.ones(1),))[1]
+
+    lacking = np.diff(np.asarray(case.time), axis=1, prepend=-1.0) == 0
+    slopes = np.stack([clock(row) for row in range(len(lacking))])
+    white = whitened(real, [jnp.asarray(np.where(lacking[:, :, None], 0.0, STAMP * 3.0 * slopes))])
+    np.testing.assert_allclose(made.sum(1), white, atol=1e-9 * np.abs(np.asarray(white)).max())

@@ -74,3 +74,12 @@ def test_runs_of_alike_numbers_of_steps_share_a_program(
         (found,) = solve_each([model], under, grid, readout)
         assert found.shape == (len(grid.frame_time), 17)
     assert len(traced) == 1
+
+
+def test_on_many_nodes_few_steps_are_filled_up() -> None:
+    """A step of no duration takes time there as well: a quarter more at most."""
+    few, many = module.FEW_NODES - 1, module.FEW_NODES
+    for count in range(1, 300):
+        shared = module._shared(count, few)
+        assert count <= shared < 2 * count and shared & (shared - 1) == 0
+        assert count <= module._shared(count, many) <= 1.25 * count

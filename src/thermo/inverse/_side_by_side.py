@@ -67,7 +67,7 @@ def solve_each(
 def _shared(count: int, nodes: int) -> int:
     """Steps or frames [1] of runs that share a program: the next power of two on few nodes.
 
-    A step of no duration takes about a fifth of the time of another.
+    With as many steps of no duration as others a run takes up to a sixth longer there (by hand).
     """
     return 1 << (count - 1).bit_length() if nodes < FEW_NODES else rounded_up(count)
 
