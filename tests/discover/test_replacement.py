@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from standings import standing
-from verdicts import one_round
+from verdicts import fitted_in, one_round
 
 from thermo.discover import Card, Place, _replacement
 from thermo.discover._candidate import Candidate, Transition
@@ -19,6 +19,7 @@ from thermo.discover._extended import Extended
 from thermo.discover._pace import Pace
 from thermo.discover._refits import Refit
 from thermo.discover._replacement import replaced, rivals_of
+from thermo.discover._rounds import with_set
 from thermo.discover._scores import Score
 from thermo.discover._standing import Standing
 from thermo.discover.candidates import HeaterPower, HiddenSource, LatentHeat
@@ -74,6 +75,7 @@ def tried(
     effect: Any = one_round(["evaporation"], 0.9).effect
     monkeypatch.setattr(_replacement, "in_place_of", other)
     monkeypatch.setattr(_replacement, "effect_of", lambda *_: effect)
+    monkeypatch.setattr(_replacement, "alternative_of", lambda _, active, __: fitted_in(active[0]))
 
     def fitted(one: Standing, *, times: int, rival: float) -> Standing:
         # Half of 100 squares, of the 12 by which it may be behind, and four entries.
@@ -90,6 +92,9 @@ def tried(
     here = standing(100.0, 4, active=(FIRST, LATER))
     rivals = {FIRST: [refit(name, 60.0) for name in left], LATER: [refit("never", 60.0)]}
     there, rounds, remarks = replaced(here, rounds, rivals, MOST, Pace(told.append))
+    for one in rounds:
+        # All of a set but its best, those that were tried again as they were fitted then.
+        assert list(one.alternatives) == one.together[1:]
     return there, [one.together for one in rounds], remarks, told
 
 
@@ -120,6 +125,19 @@ def test_more_that_is_free_is_paid_for_to_take_a_place_not_to_stay(
     assert sets[0] == ["hidden_source", "radiation"]
     _, sets, _, _ = tried(monkeypatch, {"radiation": 110.0}, free=10)
     assert sets[0] == ["hidden_source", "radiation"]
+
+
+def test_what_was_tried_again_is_told_as_it_was_fitted_then() -> None:
+    names, anew = ["hidden_source", "radiation", "void"], fitted_in("void")
+    first = {name: fitted_in(name) for name in ("hidden_source", "radiation")}
+    one = replace(one_round(["hidden_source"], 0.9), alternatives=first)
+    more = with_set(one, names, anew)
+    assert more.together == names and list(more.alternatives) == names[1:]
+    assert more.alternatives["radiation"] is first["radiation"]
+    assert more.alternatives["void"] is anew
+    again = fitted_in("void")
+    assert with_set(more, names, again).alternatives["void"] is again
+    assert list(with_set(more, ["radiation", "void"]).alternatives) == ["void"]
 
 
 def test_a_set_loses_only_what_was_replaced(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -33,6 +33,31 @@ def test_noise_explains_as_much_by_any_of_what_was_scored(
     assert made.p_value == pytest.approx(chance, rel=1e-3)
 
 
+def test_what_explains_as_much_is_told_as_it_was_fitted(monkeypatch: pytest.MonkeyPatch) -> None:
+    effect = one_round([], 0.9).effect
+    monkeypatch.setattr(_rounds, "candidacies", lambda *_: [])
+    monkeypatch.setattr(_rounds, "rms", lambda one: {"lamp": one.ended.loss()})
+    monkeypatch.setattr(
+        _rounds,
+        "effect_of",
+        lambda one, active, _: replace(effect, strength=one.ended.loss(), side=active[0]),
+    )
+    monkeypatch.setattr(_rounds, "values", lambda one, _: {"conductivity": 10 * one.ended.loss()})
+    monkeypatch.setattr(_rounds, "parameter_intervals", lambda _: {"conductivity": (1.0, 2.0)})
+    made = []
+    for name, left in (("first", 40.0), ("near", 44.0), ("far", 90.0)):
+        entry = Entry(0, 0, replace(SOURCE, name=name), np.zeros(1, int))
+        score = Score(entry, 2.0, np.zeros(1), 1.0, 1.0, 0.5, slice(1))
+        made.append(Refit(score, standing(left, 3, active=((name, 0),)), standing(200.0, 2)))
+    table = ScoreTable([made[0].score], [], 3.4, np.zeros((0, 0)), np.zeros((0, 0)))
+    one = make_round(standing(200.0, 2), made, table)
+    assert one.together == ["first", "near"] and list(one.alternatives) == ["near"]
+    near = one.alternatives["near"]
+    assert near.effect.strength == pytest.approx(22.0) and near.effect.side == "near"
+    assert near.rms == {"lamp": pytest.approx(22.0)}
+    assert near.parameters == {"conductivity": (pytest.approx(220.0), (1.0, 2.0))}
+
+
 @pytest.mark.parametrize("count", range(4))
 def test_rounds_go_on_from_what_was_left_and_end_with_the_last_fit(
     monkeypatch: pytest.MonkeyPatch, count: int

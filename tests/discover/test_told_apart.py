@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from lit_box import HOT, LAMP, MESH, STATED, run
 from scipy.stats import chi2
 from standings import standing
-from verdicts import held, one_round
+from verdicts import fitted_in, held, one_round
 
 from thermo.discover import Calibration, HeldOut, _told_apart
 from thermo.discover._at_rest import KNOWN
@@ -101,6 +101,7 @@ def apart(
         "effect_of": lambda one, *_: replace(
             one_round([], 0.9).effect, chance=float(NAMES.index(one.point))
         ),
+        "alternative_of": lambda one, *_: fitted_in(one.point),
         "rms": lambda one: {"lamp": float(NAMES.index(one.point))},
         "with_joint_effects": lambda rounds, *_: rounds,
     }
@@ -113,6 +114,9 @@ def apart(
         Calibration(np.ones(9), 0.04, 0.01, 0.05), refits,
     )  # type: ignore[arg-type]  # fmt: skip
     after, found = told_apart(path, silent())
+    for one in after.rounds:
+        assert list(one.alternatives) == one.together[1:]
+        assert all(name == each.effect.card.name for name, each in one.alternatives.items())
     return after, found, told
 
 

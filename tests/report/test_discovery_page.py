@@ -53,6 +53,17 @@ def found(together: list[str], *, closed: float, place: bool = True) -> dict[str
         "p_value": 0.0, "gap_closed": closed, "rms_before": {"lamp": 0.7531, "dark": 0.2},
         "rms_after": {"lamp": 0.0521, "dark": 0.05}, "threshold": 4.21,
         "candidates": table(0.0, 0.371),
+        "alternatives": {name: lag() for name in together[1:]},
+    }  # fmt: skip
+
+
+def lag() -> dict[str, Any]:
+    """What else would explain as much."""
+    return {
+        "strength": 0.8, "interval95": [0.604, 0.996], "unit": "s", "location": None, "side": None,
+        "depth": None, "conductance": None, "conductance_interval95": None,
+        "rms": {"lamp": 0.0524, "dark": 0.05},
+        "parameters": {"conductivity": {"value": 0.3, "interval95": [0.29, 0.31]}},
     }  # fmt: skip
 
 
@@ -219,7 +230,16 @@ def test_what_cannot_be_told_apart_stands_together() -> None:
     words = "hidden source or heater lag: cannot be told apart. The numbers are of hidden source"
     cells = _Checker(page).cells
     assert cells[1] == words and cells[4] == "no place"
+    begin = cells.index("heater lag, in its place")
+    assert cells[begin + 1 : begin + 4] == ["0.8 s", "0.604 to 0.996 s", "no place"]
+    assert "lamp: 0.753 to 0.0524; dark: 0.2 to 0.05" in cells[begin:]
+    begin = cells.index("conductivity, with heater lag")
+    beside = ["0.25 W/m/K", "0.3 W/m/K", "0.29 to 0.31", "+20 %"]
+    assert cells[begin + 1 : begin + 5] == beside
     assert page.count('<tr class="inseparable">') == 2
+    closest = found(["hidden_source", "heater_lag"], closed=0.34)
+    page = discovery_page(record("none_of_mine", rounds=[closest], effects=[]), "A block")
+    assert "conductivity, with heater lag" not in _Checker(page).cells
 
 
 def test_what_does_not_explain_the_gap_is_not_named() -> None:

@@ -36,6 +36,24 @@ def test_each_verdict_says_what_it_is(word: str) -> None:
     assert f"On other, which was not fitted, the difference {told}" in proof
 
 
+def test_a_set_is_told_with_what_the_model_holds_and_what_would_stand_in_its_place() -> None:
+    source = "The model holds hidden source, 1.25 W [1.211, 1.289], at (10.0, 0.0, 4.0) mm."
+    lag = " In its place would stand sensor lag, 0.8 s [0.604, 0.996]"
+    beside = " (with conductivity 2.3 W/m/K [2.2, 2.4], emissivity 0.85 [0.8, 0.9])."
+    found = verdict("inseparable")
+    assert discovery_record(found)["sentences"][1] == source + lag + beside
+    # Of an earlier round the unknowns are those without what came later.
+    two = replace(found, rounds=[*found.rounds, *verdict("named").rounds])
+    first, second, held = discovery_record(two)["sentences"][:3]
+    assert first.startswith("Cannot tell") and second.startswith("Missing effect")
+    assert held == f"{source}{lag}."
+    said = " ".join(discovery_record(verdict("named"))["sentences"])
+    assert "The model holds" not in said
+    # What is merely closest is in no model.
+    none = replace(verdict("none_of_mine"), rounds=found.rounds)
+    assert "The model holds" not in " ".join(discovery_record(none)["sentences"])
+
+
 @pytest.mark.parametrize(
     ("before", "after", "told", "wrong"),
     [
@@ -68,6 +86,10 @@ def test_the_contract_of_a_round() -> None:
     assert one["rms_before"]["lamp"] == 0.5 and one["rms_after"]["lamp"] == 0.05
     (other,) = discovery_record(verdict("inseparable"))["rounds"]
     assert other["named"] == [] and other["set"] == ["hidden_source", "sensor_lag"]
+    lag = other["alternatives"]["sensor_lag"]
+    assert one["alternatives"] == {} and lag["rms"] == {"lamp": 0.051, "cooling": 0.06}
+    assert (lag["strength"], lag["interval95"], lag["unit"]) == (0.8, [0.604, 0.996], "s")
+    assert lag["parameters"]["conductivity"] == {"value": 2.3, "interval95": [2.2, 2.4]}
     (closest,) = discovery_record(verdict("none_of_mine"))["rounds"]
     assert closest["named"] == [], "what does not explain the gap is not named"
     record = discovery_record(verdict("named"))

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import jax.numpy as jnp
 import numpy as np
 
 from thermo.discover import (
+    Alternative,
     Calibration,
     Candidacy,
     Differences,
@@ -42,7 +45,15 @@ def one_round(together: list[str], closed: float) -> Round:
     centre = np.array([0.01, 0.0, 0.004])
     effect = Effect(SOURCE, 1.25, 0.02, (1.2108, 1.2892), centre, 0.005, chance=0.0)
     before, after = {"lamp": 0.5, "cooling": 0.2}, {"lamp": 0.05, "cooling": 0.06}
-    return Round(candidacies(), 3.1, effect, together, 1e-30, before, after, closed)
+    others = {name: fitted_in(name) for name in together[1:]}
+    return Round(candidacies(), 3.1, effect, together, 1e-30, before, after, closed, others)
+
+
+def fitted_in(name: str = "sensor_lag") -> Alternative:
+    """A lag in place of a source, under any name."""
+    effect = Effect(replace(LAG, name=name), 0.8, 0.1, (0.604, 0.996), None, None, chance=0.0)
+    values = {"conductivity": (2.3, (2.2, 2.4)), "emissivity": (0.85, (0.8, 0.9))}
+    return Alternative(effect, values, {"lamp": 0.051, "cooling": 0.06})
 
 
 def misfit(share: float) -> Misfit:

@@ -19,7 +19,15 @@ from thermo.discover._power import SHARES, Power
 from thermo.discover._registered import only, registered
 from thermo.discover._stated_otherwise import stated_otherwise
 from thermo.discover._trace import Follows, Trace
-from thermo.discover._verdict import Candidacy, Differences, Effect, HeldOut, Round, Verdict
+from thermo.discover._verdict import (
+    Alternative,
+    Candidacy,
+    Differences,
+    Effect,
+    HeldOut,
+    Round,
+    Verdict,
+)
 
 __all__ = [
     "SHARES",
@@ -27,6 +35,7 @@ __all__ = [
     "AbstractReadingCandidate",
     "Transition",
     "Calibration",
+    "Alternative",
     "Candidacy",
     "Candidate",
     "Card",

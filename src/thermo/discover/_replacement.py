@@ -13,7 +13,7 @@ from thermo.discover._candidate import Transition
 from thermo.discover._entries import Active
 from thermo.discover._pace import Pace
 from thermo.discover._refits import Refit, in_place_of, near_best, within
-from thermo.discover._rounds import behind, effect_of
+from thermo.discover._rounds import alternative_of, behind, effect_of, with_set
 from thermo.discover._standing import WORTH, Standing, fitted, without
 from thermo.discover._verdict import Round
 
@@ -70,11 +70,12 @@ def replaced(
                 standing = there
                 effect = effect_of(there, there.active[number], spread)
                 left = [one for one in before.together if one not in (name, rival.name())]
-                rounds[number] = replace(before, effect=effect, together=[rival.name(), *left])
+                rounds[number] = with_set(replace(before, effect=effect), [rival.name(), *left])
                 remarks.append(f"{rival.name()} took the place of {name} beside what came later.")
             elif min(by_criterion, by_loss) < most:
-                kept = [*before.together, rival.name()]
-                rounds[number] = replace(before, together=list(dict.fromkeys(kept)))
+                other = alternative_of(there, there.active[number], spread)
+                kept = dict.fromkeys([*before.together, rival.name()])
+                rounds[number] = with_set(before, list(kept), other)
             elif tentative(before):
                 rounds[number] = _less(before, rival.name())
     return standing, rounds, remarks
@@ -86,7 +87,7 @@ def tentative(one: Round) -> bool:
 
 
 def _less(one: Round, name: str) -> Round:
-    return replace(one, together=[each for each in one.together if each != name])
+    return with_set(one, [each for each in one.together if each != name])
 
 
 def _needed(standing: Standing, number: int, most: float, pace: Pace) -> bool:

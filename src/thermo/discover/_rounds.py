@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,10 +14,11 @@ from thermo.discover._conductance import conductance_of, strength_between
 from thermo.discover._descent import Ended
 from thermo.discover._entries import Active, Entry, entry_of
 from thermo.discover._met import met_runs
+from thermo.discover._parameters import parameter_intervals, values
 from thermo.discover._refits import Refit
 from thermo.discover._scores import ScoreTable, best_of_kinds
 from thermo.discover._standing import Standing, free_of, share_closed
-from thermo.discover._verdict import Candidacy, Effect, Round
+from thermo.discover._verdict import Alternative, Candidacy, Effect, Round
 from thermo.inverse import NORMAL
 from thermo.mesh import face_areas
 
@@ -42,16 +43,39 @@ def make_round(before: Standing, made: list[Refit], table: ScoreTable) -> Round:
     whole = max(before.ended.loss() - least, 1e-12)
     gain = 2 * (before.ended.loss() - ended[best.name()].loss()) / spread
     more = ended[best.name()].fitted() - before.ended.fitted()
+    as_good = together(made, spread, table.threshold**2)
     return Round(
         candidates=candidacies(table, left, whole, evidence(before.ended, ended)),
         threshold=table.threshold,
         effect=effect_of(best.standing, best.standing.active[-1], spread),
-        together=together(made, spread, table.threshold**2),
+        together=as_good,
         p_value=min(1.0, len(table.scores) * float(chi2.sf(gain, more))),
         rms_before=rms(before),
         rms_after=rms(best.standing),
         closed=share_closed(before, best.standing),
+        alternatives={
+            one.name(): alternative_of(one.standing, one.standing.active[-1], spread)
+            for one in made[1:]
+            if one.name() in as_good
+        },
     )
+
+
+def alternative_of(standing: Standing, active: Active, spread: float) -> Alternative:
+    """An effect where a fit with it in place of another ended; `spread` as for `effect_of` [1]."""
+    told, intervals = values(standing, standing.point), parameter_intervals(standing)
+    parameters = {name: (value, intervals[name]) for name, value in told.items()}
+    return Alternative(effect_of(standing, active, spread), parameters, rms(standing))
+
+
+def with_set(one: Round, names: Sequence[str], *more: Alternative) -> Round:
+    """A round with these in its set, the best first, and of its alternatives those among them.
+
+    `more`: alternatives that are new, or fitted anew.
+    """
+    fits = {**one.alternatives, **{each.effect.card.name: each for each in more}}
+    kept = {name: fits[name] for name in names[1:] if name in fits}
+    return replace(one, together=list(names), alternatives=kept)
 
 
 def together(made: list[Refit], spread: float, most: float) -> list[str]:

@@ -16,9 +16,16 @@ from thermo.discover._pace import Pace
 from thermo.discover._path import CLOSED, SearchPath, verdict_of
 from thermo.discover._place_doubt import ELSEWHERE, undoubted, with_doubt
 from thermo.discover._refits import Refit, with_all
-from thermo.discover._rounds import effect_of, rms, together, with_joint_effects
+from thermo.discover._rounds import (
+    alternative_of,
+    effect_of,
+    rms,
+    together,
+    with_joint_effects,
+    with_set,
+)
 from thermo.discover._standing import BY_SHAPES, Standing, share_closed
-from thermo.discover._verdict import HeldOut
+from thermo.discover._verdict import Alternative, HeldOut
 from thermo.inverse import FINER, NORMAL, mesh_for
 
 Proof = Mapping[str, HeldOut]
@@ -139,11 +146,12 @@ def _right_at_rest(path: SearchPath, wrong: str, pace: Pace) -> SearchPath:
             kept[one.name()] = one, there
     if not kept:
         return replace(path, word="none_of_mine", remarks=[*path.remarks, wrong])
-    best, standing = next(iter(kept.values()))
+    best, _ = next(iter(kept.values()))
     most = path.rounds[-1].threshold ** 2
     names = together([one for one, _ in kept.values()], best.standing.misfit(), most)
     remarks = [*path.remarks, f"{wrong} {best.name()} takes the place of {name}."]
-    after = _with(replace(path, remarks=remarks), standing, best.name(), names)
+    fits = {each: there for each, (_, there) in kept.items()}
+    after = _with(replace(path, remarks=remarks), best.name(), names, fits)
     *before, last = after.rounds
     last = replace(last, closed=share_closed(best.begun, best.standing))
     return replace(after, rounds=[*before, last])
@@ -228,7 +236,8 @@ def _without_excluded(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
     kept = [each for each in alike if each not in out]
     best = min((each for each in kept if each in there), key=lambda each: excess(proofs[each]))
     remarks = [*path.remarks, _excluded(best, there[best][1], out)]
-    return _with(replace(path, remarks=remarks), there[best][0], best, kept), there[best][1]
+    fits = {each: standing for each, (standing, _) in there.items()}
+    return _with(replace(path, remarks=remarks), best, kept, fits), there[best][1]
 
 
 def excess(proof: Proof) -> float:
@@ -245,18 +254,27 @@ def excluded(proofs: Mapping[str, Proof]) -> dict[str, Proof]:
     return {name: one for name, one in proofs.items() if name in out}
 
 
-def _with(path: SearchPath, standing: Standing, best: str, kept: list[str]) -> SearchPath:
-    """The path with the best of those that are kept at work in its last round."""
+def _with(path: SearchPath, best: str, kept: list[str], fits: Mapping[str, Standing]) -> SearchPath:
+    """The path with the best of those that are kept at work in its last round.
+
+    `fits`: by effect, where the fit with it stands.
+    """
     *before, last = path.rounds
+    standing, others = fits[best], [one for one in kept if one != best]
+    more = [_alternative(fits[one]) for one in others if one in fits]
     if best == last.effect.card.name:
-        rounds = [*before, replace(last, together=kept)]
+        rounds = [*before, with_set(last, [best, *others], *more)]
     else:
-        others = [one for one in kept if one != best]
         effect = effect_of(standing, standing.active[-1], standing.misfit())
-        fresh = replace(last, effect=effect, together=[best, *others], rms_after=rms(standing))
+        fresh = replace(last, effect=effect, rms_after=rms(standing))
+        fresh = with_set(fresh, [best, *others], *more)
         doubted = with_doubt(standing, path.begun.allowed)
         rounds = with_joint_effects([*before, fresh], standing, doubted)
     return replace(path, word=verdict_of(rounds), rounds=rounds, standing=standing)
+
+
+def _alternative(standing: Standing) -> Alternative:
+    return alternative_of(standing, standing.active[-1], standing.misfit())
 
 
 def _cells(run: str, large: HeldOut, small: HeldOut) -> str:

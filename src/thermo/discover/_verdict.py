@@ -74,11 +74,27 @@ class Candidacy:
 
 @final
 @dataclass(frozen=True)
+class Alternative:
+    """What would explain as much as the best of a round, fitted in its place.
+
+    - `effect`; `rms`: what it leaves, by run [K].
+    - `parameters`: values of the fields with it, and in which interval they are in 95 % of cases
+      [SI].
+    """
+
+    effect: Effect
+    parameters: Mapping[str, tuple[float, tuple[float, float]]]
+    rms: Mapping[str, float]
+
+
+@final
+@dataclass(frozen=True)
 class Round:
     """One effect more.
 
     - `candidates`: all kinds, the best part of each; `threshold`: of their scores [1].
-    - `effect`: the best; `together`: names of all that would explain as much.
+    - `effect`: the best; `together`: names of all that would explain as much; `alternatives`: these
+      but the best by name, beside what was found before, or beside all where that was tried.
     - `p_value`: that of all that was scored noise makes one explain as much [1].
     - `rms_before`, `rms_after`: by run [K].
     - `closed`: share of what is beyond noise that it closes [1].
@@ -92,6 +108,7 @@ class Round:
     rms_before: Mapping[str, float]
     rms_after: Mapping[str, float]
     closed: float
+    alternatives: Mapping[str, Alternative] = field(repr=False)
 
 
 @final

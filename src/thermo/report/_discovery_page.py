@@ -80,20 +80,19 @@ def _rounds(record: Record) -> str:
         return _note("No candidate was put to work.") + _note(f"{told}{before}.")
     header = ["round", "effect", "strength", "95 % interval", "place [mm]", "p-value",
               "gap closed", "rms before and after [K]"]  # fmt: skip
-    rows = [
-        [
-            str(number),
-            _what(one, record["verdict"]),
-            _amount(one["strength"], one["unit"]),
-            _amount(" to ".join(_number(end) for end in one["interval95"]), one["unit"]),
-            _place(one) + _whole(one),
-            _chance(one["p_value"]),
-            _share(one["gap_closed"]),
-            _falls(one["rms_before"], one["rms_after"]),
-        ]
-        for number, one in enumerate(record["rounds"], 1)
-    ]
-    body = _table(header, rows, ["round"] * len(rows))
+    rows, kinds = [], []
+    for number, one in enumerate(record["rounds"], 1):
+        told = [_chance(one["p_value"]), _share(one["gap_closed"])]
+        falls = _falls(one["rms_before"], one["rms_after"])
+        rows.append([str(number), _what(one, record["verdict"]), *_effect(one), *told, falls])
+        kinds.append("round")
+        for name, other in one["alternatives"].items():
+            falls = _falls(one["rms_before"], other["rms"])
+            rows.append(
+                [str(number), f"{spoken(name)}, in its place", *_effect(other), "", "", falls]
+            )
+            kinds.append("alternative")
+    body = _table(header, rows, kinds)
     return body + _note(
         f"{_CHANCES} {told}{before} before the first round, {after} after the last."
     )
@@ -117,6 +116,13 @@ def _what(one: Record, verdict: str) -> str:
     else:
         words = spoken(one["best"])
     return f"{words} (the closest, not named)" if verdict == "none_of_mine" else words
+
+
+def _effect(one: Record) -> list[str]:
+    """How strong an effect is, and where."""
+    interval = " to ".join(_number(end) for end in one["interval95"])
+    amounts = (_amount(told, one["unit"]) for told in (one["strength"], interval))
+    return [*amounts, _place(one) + _whole(one)]
 
 
 def _place(one: Record) -> str:
@@ -306,12 +312,27 @@ def _parameters(record: Record) -> str:
     if not found:
         return _note("No parameter was fitted.")
     rows = [
-        [spoken(name), *(_amount(_number(one[key]), _unit(name)) for key in ("before", "after")),
-         _ends(one["interval95"]), _change(one["before"], one["after"])]
+        [spoken(name), *_values(name, one["before"], one["after"], one["interval95"])]
         for name, one in found.items()
-    ]  # fmt: skip
+    ]
+    for other, fit in record["rounds"][-1]["alternatives"].items() if record["effects"] else ():
+        rows += [
+            [
+                f"{spoken(name)}, with {spoken(other)}",
+                *_values(name, found[name]["before"], one["value"], one["interval95"]),
+            ]
+            for name, one in fit["parameters"].items()
+        ]
     heads = ["unknown", "before", "after", "95 %", "change"]
     return _table(heads, rows, ["parameter"] * len(rows))
+
+
+def _values(
+    name: str, before: float | None, after: float | None, interval: list[float] | None
+) -> list[str]:
+    """An unknown without and with what was found [SI]."""
+    both = (_amount(_number(one), _unit(name)) for one in (before, after))
+    return [*both, _ends(interval), _change(before, after)]
 
 
 def _ends(interval: list[float] | None) -> str:

@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from thermo.discover import (
+    Alternative,
     Calibration,
     Candidacy,
     Differences,
@@ -22,6 +23,7 @@ from thermo.discover import (
     Verdict,
     effects_as_arrays,
 )
+from thermo.fields import QUANTITIES
 from thermo.inverse import RunFit, save_estimate
 
 from ._discovery_page import discovery_page
@@ -164,11 +166,32 @@ def _calibration(found: Calibration) -> dict[str, Any]:
 
 
 def _round(one: Round, explains: bool) -> dict[str, Any]:
-    effect = one.effect
+    name = one.effect.card.name
     return {
-        "named": [effect.card.name] if explains and len(one.together) == 1 else [],
+        "named": [name] if explains and len(one.together) == 1 else [],
         "set": one.together,
-        "best": effect.card.name,
+        "best": name,
+        **_effect(one.effect),
+        "p_value": one.p_value,
+        "gap_closed": one.closed,
+        "rms_before": dict(one.rms_before),
+        "rms_after": dict(one.rms_after),
+        "alternatives": {other: _alternative(fit) for other, fit in one.alternatives.items()},
+        "threshold": one.threshold,
+        "candidates": [_candidacy(item) for item in one.candidates],
+    }
+
+
+def _alternative(one: Alternative) -> dict[str, Any]:
+    parameters = {
+        name: {"value": value, "interval95": list(ends)}
+        for name, (value, ends) in one.parameters.items()
+    }
+    return {**_effect(one.effect), "rms": dict(one.rms), "parameters": parameters}
+
+
+def _effect(effect: Effect) -> dict[str, Any]:
+    return {
         "strength": effect.strength,
         "sd": effect.sd,
         "interval95": list(effect.interval95),
@@ -182,12 +205,6 @@ def _round(one: Round, explains: bool) -> dict[str, Any]:
         "depth": effect.depth,
         "conductance": effect.conductance,
         "conductance_interval95": effect.conductance95 and list(effect.conductance95),
-        "p_value": one.p_value,
-        "gap_closed": one.closed,
-        "rms_before": dict(one.rms_before),
-        "rms_after": dict(one.rms_after),
-        "threshold": one.threshold,
-        "candidates": [_candidacy(item) for item in one.candidates],
     }
 
 
@@ -231,6 +248,12 @@ def verdict_sentences(found: Verdict) -> list[str]:
         "none_of_mine": [_none(found)],
         "no_gap": ["No gap: simulation and readings differ by no more than noise and numerics."],
     }[found.verdict]
+    if found.effects():
+        told += [
+            _held(one, last=one is found.rounds[-1])
+            for one in found.rounds
+            if len(one.together) > 1
+        ]
     told += [
         _proof(name, one) if found.rounds else _as_stated(name, one)
         for name, one in found.held_out.items()
@@ -258,8 +281,15 @@ def _proof(name: str, one: HeldOut) -> str:
 
 
 def _named(effect: Effect) -> str:
+    known = effect.card.alike and effect.strength > 0
+    alike = f" It may as well be {effect.card.alike}." if known else ""
+    means = f" Its strength: {effect.card.means}." if effect.card.means else ""
+    return f"Missing effect: {_told(effect)}.{means}{alike}"
+
+
+def _told(effect: Effect) -> str:
+    """An effect with its strength and its place."""
     low, high = effect.interval95
-    unit = "" if effect.card.unit == "1" else f" {effect.card.unit}"
     place = ""
     if effect.centre is not None:
         # No zero with a sign.
@@ -277,12 +307,9 @@ def _named(effect: Effect) -> str:
     if effect.conductance is not None and effect.conductance95 is not None:
         ends = "[{:.3g}, {:.3g}]".format(*effect.conductance95)
         whole = f", {effect.conductance:.3g} W/K {ends} in all"
-    known = effect.card.alike and effect.strength > 0
-    alike = f" It may as well be {effect.card.alike}." if known else ""
-    means = f" Its strength: {effect.card.means}." if effect.card.means else ""
     return (
-        f"Missing effect: {_spoken(effect.card.name)}, {effect.strength:.4g}{unit} "
-        f"[{low:.4g}, {high:.4g}]{place}{whole}.{means}{alike}"
+        f"{_spoken(effect.card.name)}, {effect.strength:.4g}{_unit(effect.card.unit)} "
+        f"[{low:.4g}, {high:.4g}]{place}{whole}"
     )
 
 
@@ -291,6 +318,26 @@ def _inseparable(one: Round) -> str:
         return _named(one.effect)
     names = " from ".join(_spoken(name) for name in one.together)
     return f"Cannot tell {names}. What would: {one.effect.card.split_by}."
+
+
+def _held(one: Round, *, last: bool) -> str:
+    """The best of a set, and what would stand in its place; `last`: of the rounds."""
+    # What was fitted in an earlier round lacks the effects of those that came later.
+    others = " or ".join(
+        _told(other.effect) + (_with(other.parameters) if last else "")
+        for other in one.alternatives.values()
+    )
+    instead = f" In its place would stand {others}." if others else ""
+    return f"The model holds {_told(one.effect)}.{instead}"
+
+
+def _with(parameters: Mapping[str, tuple[float, tuple[float, float]]]) -> str:
+    """The unknowns beside an effect, each in its unit."""
+    told = ", ".join(
+        f"{_spoken(name)} {value:.4g}{_unit(QUANTITIES[name].unit)} [{low:.4g}, {high:.4g}]"
+        for name, (value, (low, high)) in parameters.items()
+    )
+    return f" (with {told})" if told else ""
 
 
 def _none(found: Verdict) -> str:
@@ -304,6 +351,11 @@ def _none(found: Verdict) -> str:
         f"{words}; the closest is {_spoken(closest.effect.card.name)}, "
         f"which closes {100 * closest.closed:.0f} % of it.{beside}"
     )
+
+
+def _unit(name: str) -> str:
+    """A unit behind a number."""
+    return "" if name == "1" else f" {name}"
 
 
 def _spoken(name: str) -> str:
