@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -10,14 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import block_diag
 
-from thermo.inverse._reading_errors import (
-    ReadingErrors,
-    colour,
-    in_common,
-    whiten,
-    with_again,
-    without,
-)
+from thermo.inverse import _reading_errors
+from thermo.inverse._reading_errors import ReadingErrors, in_common, with_again, without
+
+# As within a program: a loop by itself is compiled at every call.
+whiten, colour = map(eqx.filter_jit, (_reading_errors.whiten, _reading_errors.colour))
 
 FRAMES, SAMPLES = 7, 4
 
