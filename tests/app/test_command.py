@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import subprocess
@@ -106,6 +107,16 @@ def test_a_stopped_fit_says_how_to_go_on(
     outcome = command("invert", f"data={block}", cache, *SMALL, f"out={out}")
     assert outcome.code == 130 and "the same command goes on" in outcome.err
     assert [path.name for path in out.iterdir()] == ["checkpoint.npz"]
+
+
+def test_a_verb_lets_the_collector_look_through_what_lives_seldom(command: Command) -> None:
+    before = gc.get_threshold()
+    gc.set_threshold(700, 10, 10)
+    try:
+        assert command("invert", "data=nowhere").code == 2
+        assert gc.get_threshold()[0] > 10_000
+    finally:
+        gc.set_threshold(*before)
 
 
 @pytest.mark.parametrize(

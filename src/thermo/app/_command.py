@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import re
@@ -144,7 +145,13 @@ def _missing(verb: str, key: str, found: str) -> errors.InputError:
     )  # fmt: skip
 
 
+# Tracing makes millions of short-lived objects beside hundreds of thousands that live on, through
+# which Python's collector would look again and again.
+_SELDOM = (20_000, 20, 20)
+
+
 def _run(verb: str, configuration: DictConfig) -> None:
+    gc.set_threshold(*_SELDOM)
     try:
         settings = _settings(configuration)
         if HydraConfig.get().mode == RunMode.MULTIRUN and finished(verb, settings):
