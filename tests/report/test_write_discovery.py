@@ -41,6 +41,11 @@ def test_a_set_is_told_with_what_the_model_holds_and_what_would_stand_in_its_pla
     lag = " In its place would stand sensor lag, 0.8 s [0.604, 0.996]"
     beside = " (with conductivity 2.3 W/m/K [2.2, 2.4], emissivity 0.85 [0.8, 0.9])."
     found = verdict("inseparable")
+    (one,) = found.rounds
+    sensor = one.alternatives["sensor_lag"]
+    values = {**sensor.parameters, "emissivity": (0.85, (0.8, 0.9))}
+    more = {"sensor_lag": replace(sensor, parameters=values)}
+    found = replace(found, rounds=[replace(one, alternatives=more)])
     assert discovery_record(found)["sentences"][1] == source + lag + beside
     # Of an earlier round the unknowns are those without what came later.
     two = replace(found, rounds=[*found.rounds, *verdict("named").rounds])
