@@ -25,6 +25,12 @@ COARSE = ("mesh=tet4", "mesh.max_nodes=1500", "tolerance=0.05")
 PNG = b"\x89PNG"
 
 
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the fit on bricks stays: no other file's tests may meet it."""
+    return tmp_path_factory.mktemp("bricks") / "fit"
+
+
 def result(folder: Path) -> dict[str, Any]:
     return json.loads((folder / "result.json").read_text())
 
