@@ -59,7 +59,8 @@ def optimise_long_runs() -> None:
 optimise_long_runs()
 
 # Tracing makes millions of short-lived objects beside hundreds of thousands of programs' own, which
-# Python's collector looks through again and again: by default a tenth of a worker's time.
+# Python's collector looks through again and again: by default a tenth of a worker's time
+# (by hand).
 gc.set_threshold(20_000, 20, 20)
 
 # How fast examples are made says how busy a machine is.

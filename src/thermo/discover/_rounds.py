@@ -62,7 +62,10 @@ def make_round(before: Standing, made: list[Refit], table: ScoreTable) -> Round:
 
 
 def alternative_of(standing: Standing, active: Active, spread: float) -> Alternative:
-    """An effect where a fit with it in place of another ended; `spread` as for `effect_of` [1]."""
+    """An effect where a fit with it in place of another ended, and the fields there [SI].
+
+    `spread`: what is left over noise, by which errors are widened, as for `effect_of` [1].
+    """
     told, intervals = values(standing, standing.point), parameter_intervals(standing)
     parameters = {name: (value, intervals[name]) for name, value in told.items()}
     return Alternative(effect_of(standing, active, spread), parameters, rms(standing))
