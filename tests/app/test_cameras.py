@@ -53,13 +53,23 @@ def cameras(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.fixture(scope="module")
+def rendered(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the films stay for all tests that read them."""
+    return tmp_path_factory.mktemp("rendered") / "films"
+
+
 @pytest.fixture
-def films(command: Command, block: Path, cameras: Path, tmp_path: Path) -> list[Path]:
-    out = tmp_path / "films"
-    words = (f"data={block}", "run=lamp", f"cameras={cameras}", f"out={out}", "formats=[npz,gif]")
-    outcome = command("render", *words)
-    assert outcome.code == 0, outcome.err
-    assert "front.npz" in outcome.out and "back.png" in outcome.out
+def films(
+    command: Command, block: Path, cameras: Path, rendered: Path, tmp_path: Path
+) -> list[Path]:
+    """Copies that a test may change."""
+    if not rendered.exists():
+        words = (f"data={block}", "run=lamp", f"cameras={cameras}", f"out={rendered}")
+        outcome = command("render", *words, "formats=[npz,gif]")
+        assert outcome.code == 0, outcome.err
+        assert "front.npz" in outcome.out and "back.png" in outcome.out
+    out = shutil.copytree(rendered, tmp_path / "films")
     return [out / f"lamp_{name}.npz" for name in PLACES]
 
 
