@@ -228,6 +228,7 @@ def test_where_the_effect_at_work_is_excluded_the_best_takes_its_place(
     assert path.rounds[0].effect.chance == 2.0 and path.rounds[0].rms_after == {"lamp": 2.0}
     assert path.standing.active == (("void", 0),) and sizes(found) == sizes(proof(1.1))
     assert sorted(told) == sorted(left)
+    assert path.rounds[0].alternatives["sensor_lag"].held_out == sizes(proof(1.3))
 
 
 @pytest.mark.parametrize("left", [(1.0, 1.2), (5.0, 9.0), (60.0, 90.0)])
@@ -235,8 +236,10 @@ def test_where_they_leave_much_alike_all_stay(
     monkeypatch: pytest.MonkeyPatch, left: tuple[float, float]
 ) -> None:
     path, found, _ = apart(monkeypatch, dict(zip(NAMES, left, strict=False)))
-    assert path.word == "inseparable" and path.rounds[0].together == list(NAMES[:2])
+    (one,) = path.rounds
+    assert path.word == "inseparable" and one.together == list(NAMES[:2])
     assert path.remarks == ["before"] and sizes(found) == sizes(proof(left[0]))
+    assert one.alternatives["sensor_lag"].held_out == sizes(proof(left[1]))
 
 
 def test_one_that_is_named_has_no_rivals_to_be_predicted(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -64,6 +64,7 @@ def lag() -> dict[str, Any]:
         "depth": None, "conductance": None, "conductance_interval95": None,
         "rms": {"lamp": 0.0524, "dark": 0.05},
         "parameters": {"conductivity": {"value": 0.3, "interval95": [0.29, 0.31]}},
+        "held_out": {"other & all": 0.0654},
     }  # fmt: skip
 
 
@@ -236,6 +237,9 @@ def test_what_cannot_be_told_apart_stands_together() -> None:
     begin = cells.index("conductivity, with heater lag")
     beside = ["0.25 W/m/K", "0.3 W/m/K", "0.29 to 0.31", "+20 %"]
     assert cells[begin + 1 : begin + 5] == beside
+    begin = cells.index("other & all, with heater lag")
+    assert cells[begin + 1 : begin + 4] == ["0.9", "0.0654", "0.0498"]
+    assert "calm, with heater lag" not in cells
     assert page.count('<tr class="inseparable">') == 2
     closest = found(["hidden_source", "heater_lag"], closed=0.34)
     page = discovery_page(record("none_of_mine", rounds=[closest], effects=[]), "A block")

@@ -95,6 +95,7 @@ def test_the_contract_of_a_round() -> None:
     assert one["alternatives"] == {} and lag["rms"] == {"lamp": 0.051, "cooling": 0.06}
     assert (lag["strength"], lag["interval95"], lag["unit"]) == (0.8, [0.604, 0.996], "s")
     assert lag["parameters"]["conductivity"] == {"value": 2.3, "interval95": [2.2, 2.4]}
+    assert lag["held_out"] == {"other": 0.056}
     (closest,) = discovery_record(verdict("none_of_mine"))["rounds"]
     assert closest["named"] == [], "what does not explain the gap is not named"
     record = discovery_record(verdict("named"))

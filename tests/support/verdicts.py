@@ -53,7 +53,7 @@ def fitted_in(name: str = "sensor_lag") -> Alternative:
     """A lag in place of a source, under any name."""
     effect = Effect(replace(LAG, name=name), 0.8, 0.1, (0.604, 0.996), None, None, chance=0.0)
     values = {"conductivity": (2.3, (2.2, 2.4))}
-    return Alternative(effect, values, {"lamp": 0.051, "cooling": 0.06})
+    return Alternative(effect, values, {"lamp": 0.051, "cooling": 0.06}, {"other": 0.056})
 
 
 def misfit(share: float) -> Misfit:

@@ -230,14 +230,27 @@ def _without_excluded(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
             standing = _in_place(path, one)
             there[one.name()] = standing, held_out(standing.bench, begun, standing.point)
     proofs = {each: found for each, (_, found) in there.items()}
-    out = excluded(proofs)
+    path, out = _proved(path, proofs), excluded(proofs)
     if not out:
         return path, proof
     kept = [each for each in alike if each not in out]
     best = min((each for each in kept if each in there), key=lambda each: excess(proofs[each]))
     remarks = [*path.remarks, _excluded(best, there[best][1], out)]
     fits = {each: standing for each, (standing, _) in there.items()}
-    return _with(replace(path, remarks=remarks), best, kept, fits), there[best][1]
+    after = _with(replace(path, remarks=remarks), best, kept, fits)
+    return _proved(after, proofs), there[best][1]
+
+
+def _proved(path: SearchPath, proofs: Mapping[str, Proof]) -> SearchPath:
+    """The path, and of its last effect's alternatives what they leave on held-out runs [K]."""
+    *before, last = path.rounds
+    told = {
+        name: replace(one, held_out={run: each.rms_after for run, each in proofs[name].items()})
+        if name in proofs
+        else one
+        for name, one in last.alternatives.items()
+    }
+    return replace(path, rounds=[*before, replace(last, alternatives=told)])
 
 
 def excess(proof: Proof) -> float:

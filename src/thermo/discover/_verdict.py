@@ -80,11 +80,14 @@ class Alternative:
     - `effect`; `rms`: what it leaves, by run [K].
     - `parameters`: values of the fields with it, and in which interval they are in 95 % of cases
       [SI].
+    - `held_out`: what it leaves on runs that were not fitted, as `HeldOut.rms_after` [K]; nothing
+      where it was not predicted there.
     """
 
     effect: Effect
     parameters: Mapping[str, tuple[float, tuple[float, float]]]
     rms: Mapping[str, float]
+    held_out: Mapping[str, float] = field(default_factory=dict)
 
 
 @final

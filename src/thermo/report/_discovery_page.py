@@ -287,16 +287,27 @@ def _held_out(record: Record) -> str:
     if not found:
         return _note("No run was held out, so nothing is proved on readings that were not fitted.")
     header = ["run", "rms before [K]", "rms after [K]", "noise [K]", "gap closed"]
-    rows = [
-        [name, *(_number(one[key], ".3g") for key in ("rms_before", "rms_after", "noise")),
-         _closed(one)]
-        for name, one in found.items()
-    ]  # fmt: skip
+    rows, kinds = [], []
+    for name, one in found.items():
+        before, after, noise = (
+            _number(one[key], ".3g") for key in ("rms_before", "rms_after", "noise")
+        )
+        rows.append([name, before, after, noise, _closed(one)])
+        kinds.append("held")
+        for other, left in _left_with(record, name).items():
+            rows.append([f"{name}, with {spoken(other)}", before, _number(left, ".3g"), noise, ""])
+            kinds.append("alternative")
     figures = [held_out_bars(found)]
     for name, one in found.items():
         figures += _drawn(record, name, one["noise"])
     drawn = _plots(figures, "held-out")
-    return drawn + _table(header, rows, ["held"] * len(rows))
+    return drawn + _table(header, rows, kinds)
+
+
+def _left_with(record: Record, run: str) -> dict[str, float]:
+    """What the last effect's alternatives leave on a run that was not fitted [K], by name."""
+    last = record["rounds"][-1]["alternatives"] if record["effects"] else {}
+    return {name: one["held_out"][run] for name, one in last.items() if run in one["held_out"]}
 
 
 def _closed(one: Record) -> str:

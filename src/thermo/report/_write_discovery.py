@@ -187,7 +187,10 @@ def _alternative(one: Alternative) -> dict[str, Any]:
         name: {"value": value, "interval95": list(ends)}
         for name, (value, ends) in one.parameters.items()
     }
-    return {**_effect(one.effect), "rms": dict(one.rms), "parameters": parameters}
+    held_out = dict(one.held_out)
+    return {
+        **_effect(one.effect), "rms": dict(one.rms), "parameters": parameters, "held_out": held_out
+    }  # fmt: skip
 
 
 def _effect(effect: Effect) -> dict[str, Any]:
