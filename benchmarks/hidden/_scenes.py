@@ -169,13 +169,19 @@ def lacking(shape: str, material: str) -> Readings:
     """What cells short at the skin and short steps read more where nothing is hidden [K].
 
     Added to what the usual ones read, where something is hidden as well: to make each case on these
-    would take many times as long. How much of it what is hidden changes is not known.
+    would take many times as long. How much of it what is hidden changes is not known, but for light
+    that is absorbed below the skin, whose cases are made on these.
     """
     plain = stated(material)
-    cuts, layers = LAYERED if shape in OTHERS else (CUT_ONCE if shape in SURFACES else CUTS, 1)
-    best = readings(body(shape, SAMPLES, seed=1, finer=cuts, layers=layers), plain, finer=SHORTER)
+    best = readings(short_cells(shape), plain, finer=SHORTER)
     usual = readings(the_body(shape), plain)
     return {run: value - usual[run] for run, value in best.items()}
+
+
+def short_cells(shape: str) -> Body:
+    """A body with cells short at the skin."""
+    cuts, layers = LAYERED if shape in OTHERS else (CUT_ONCE if shape in SURFACES else CUTS, 1)
+    return body(shape, SAMPLES, seed=1, finer=cuts, layers=layers)
 
 
 @cache
@@ -246,15 +252,11 @@ def make(case: Case, folder: Path, usual: Path) -> Made:
     for one in hidden:
         physics, said = one.physics(physics), one.stated(said)
         lamp = _after(lamp, one.lamp)
-    if all(not one.simulated() for one in hidden):
-        found = kept(usual, f"{case.shape}-{case.material}", lambda: readings(where, plain))
+    if physics.deep:
+        # What the usual cells make wrong is another thing where light is absorbed below the skin.
+        found = readings(short_cells(case.shape), physics, lamp, finer=SHORTER)
     else:
-        # A single effect was simulated in the fitted runs when its size was measured.
-        done = shown[0] if len(hidden) == 1 else {}
-        found = done | readings(where, physics, lamp, [run for run in LAMPS if run not in done])
-    short = kept(usual, f"{case.shape}-{case.material}-lacking",
-                 lambda: lacking(case.shape, case.material))  # fmt: skip
-    found = {run: value + short[run] for run, value in found.items()}
+        found = _corrected(case, hidden, shown, physics, lamp, usual)
     tick = np.arange(len(found["lamp"])) * TICK
     quiet = {run: np.full_like(value, initial(run)) for run, value in found.items()}
     for one in hidden:
@@ -265,6 +267,22 @@ def make(case: Case, folder: Path, usual: Path) -> Made:
         )
     _write(case, folder, said, found, {run: value[0] for run, value in quiet.items()}, random)
     return Made(hidden, visible)
+
+
+def _corrected(
+    case: Case, hidden: list[Hidden], shown: list[Readings], physics: Physics,
+    lamp: Callable[[Lamp], Lamp], usual: Path,
+) -> Readings:  # fmt: skip
+    """All runs on the usual cells [K], with what these lack where nothing is hidden."""
+    where, name = the_body(case.shape), f"{case.shape}-{case.material}"
+    if all(not one.simulated() for one in hidden):
+        found = kept(usual, name, lambda: readings(where, stated(case.material)))
+    else:
+        # A single effect was simulated in the fitted runs when its size was measured.
+        done = shown[0] if len(hidden) == 1 else {}
+        found = done | readings(where, physics, lamp, [run for run in LAMPS if run not in done])
+    short = kept(usual, f"{name}-lacking", lambda: lacking(case.shape, case.material))
+    return {run: value + short[run] for run, value in found.items()}
 
 
 def _drawn(

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from lit_box import LAMP, run
-from verdicts import held, one_round
+from verdicts import candidacies, held, one_round
 
 from thermo.discover._cautions import cautions
 from thermo.discover._verdict import Round
@@ -24,7 +24,7 @@ DARK = f"{'-' if NORMAL[AXIS] > 0 else '+'}{'xyz'[AXIS]}"
 def at(side: str | None) -> Round:
     """A contact at a side."""
     one = one_round(["support_contact"], 1.0)
-    return replace(one, effect=replace(one.effect, card=SupportContact.card, side=side))
+    return replace(one, candidates=[], effect=replace(one.effect, card=SupportContact.card, side=side))
 
 
 @pytest.mark.parametrize(("side", "count"), [(LIT, 1), (DARK, 0), (None, 0)])
@@ -42,6 +42,20 @@ def test_a_sign_that_is_not_known_is_told(ends: tuple[float, float], count: int)
     one = one_round(["hidden_source"], 1.0)
     told = cautions([replace(one, effect=replace(one.effect, interval95=ends))], RUNS, {}, 0.5)
     assert len(told) == count and all("nor its sign" in words for words in told)
+
+
+@pytest.mark.parametrize(("left", "count"), [(3e-4, 1), (2e-3, 0), (None, 0)])
+def test_a_rival_that_noise_alone_excludes_is_told(left: float | None, count: int) -> None:
+    source, lag = candidacies()
+    one = replace(one_round(["hidden_source"], 1.0), candidates=[source, replace(lag, left=left)])
+    told = cautions([one], RUNS, {}, 0.5)
+    assert len(told) == count
+    if count:
+        assert told[0].startswith("sensor lag leaves 0.03 % of what hidden source closes.")
+        assert told[0].endswith(f"{source.card.split_by}.")
+    # What is in the set is told there.
+    both = replace(one, together=["hidden_source", "sensor_lag"])
+    assert cautions([both], RUNS, {}, 0.5) == []
 
 
 def test_proof_by_few_samples_is_no_more_than_it_is() -> None:

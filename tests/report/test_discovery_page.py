@@ -197,6 +197,7 @@ def test_a_named_effect_is_told_with_its_strength_and_place() -> None:
            "(12.3, -4.5, 0.0), size 3.2; 0.0123 W/K (0.0111 to 0.0135) in all",
            "below 1e-300", "98.7 %", "lamp: 0.753 to 0.0521; dark: 0.2 to 0.05"]  # fmt: skip
     assert cells[: len(row)] == row
+    assert "in few readings. Chance that noise and numerics alone leave so large a misfit" in page
     assert "below 1e-300 before the first round, 0.42 after the last" in page
     assert "0.1913 to 0.2091" in page
     begin = cells.index("+812") - 1

@@ -19,6 +19,9 @@ _LEFT: Final = 2.0
 _CHANCE: Final = 0.01
 """Of noise leaving as much in smooth shapes, below which more than noise is left [1]."""
 
+_ALIKE: Final = 1e-3
+"""Share of a gap [1], below which it is worth words that a rival leaves no more of it: the square of
+a thirtieth, by which a stated value may well be off, and what an effect does with it."""
 
 _LEFT_OVER: Final = (
     "More than noise is left: what could have been missed is told for noise alone, and may be more."
@@ -35,11 +38,31 @@ def cautions(
     - `rounds`: what was found; `runs`: those that were fitted.
     - `proof`: what runs that were not fitted say; `chance` of noise leaving as much [1].
     """
+    alike = [_alike(one) for one in rounds]
     sides = [_lit(one, runs) for one in rounds]
     signs = [_unsigned(one) for one in rounds]
     tests = [_hardly_tested(name, one) for name, one in proof.items()]
     left = [_LEFT_OVER] if chance < _CHANCE else []
-    return [*filter(None, (*sides, *signs, *tests)), *left]
+    return [*filter(None, (*alike, *sides, *signs, *tests)), *left]
+
+
+def _alike(one: Round) -> str:
+    """Rivals that are excluded by noise alone, and would not be were what is stated a little off."""
+    near = {
+        item.card.name.replace("_", " "): item.left
+        for item in one.candidates
+        if item.left is not None and item.left < _ALIKE and item.card.name not in one.together
+    }
+    if not near:
+        return ""
+    best = one.effect.card.name.replace("_", " ")
+    told = " and ".join(f"{name} leaves {100 * left:.1g} %" for name, left in near.items())
+    return (
+        f"{told} of what {best} closes. Noise would leave less, and so it is not in the set. But a "
+        "value that is stated, not fitted, and off by some per cent, an emissivity say, may make "
+        f"as small a difference. What would tell them apart whatever is stated: "
+        f"{one.effect.card.split_by}."
+    )
 
 
 def _lit(one: Round, runs: Sequence[Run]) -> str:

@@ -82,9 +82,9 @@ def _rounds(record: Record) -> str:
               "gap closed", "rms before and after [K]"]  # fmt: skip
     rows, kinds = [], []
     for number, one in enumerate(record["rounds"], 1):
-        told = [_chance(one["p_value"]), _share(one["gap_closed"])]
+        chances = [_chance(one["p_value"]), _share(one["gap_closed"])]
         falls = _falls(one["rms_before"], one["rms_after"])
-        rows.append([str(number), _what(one, record["verdict"]), *_effect(one), *told, falls])
+        rows.append([str(number), _what(one, record["verdict"]), *_effect(one), *chances, falls])
         kinds.append("round")
         for name, other in one["alternatives"].items():
             falls = _falls(one["rms_before"], other["rms"])
@@ -100,6 +100,9 @@ def _rounds(record: Record) -> str:
 
 _NEARLY = 0.999
 """A share that would be written as all [1]."""
+
+_NONE = 1e-5
+"""A share that is no more than what rounding leaves [1]."""
 
 _CHANCES = (
     "A p-value is the chance that noise makes any candidate, wherever it was looked for, explain "
@@ -428,8 +431,11 @@ def _share(value: float | None) -> str:
     # A zero is added so that what is rounded to zero has no sign.
     if value is None:
         return "not known"
-    near = _NEARLY < value < 1.0
-    return f"above {100 * _NEARLY:.1f} %" if near else f"{round(100 * value, 1) + 0.0:.1f} %"
+    if _NEARLY < value < 1.0:
+        return f"above {100 * _NEARLY:.1f} %"
+    if _NONE < value < 1 - _NEARLY:
+        return f"{100 * value:.1g} %"
+    return f"{round(100 * value, 1) + 0.0:.1f} %"
 
 
 def _chance(value: float | None) -> str:
