@@ -45,6 +45,7 @@ def test_an_unknown_choice_is_answered_with_those_there_are(
     ("words", "parts"),
     [
         (["bogus=1"], ["bogus"]),
+        (["runs=lamp,cooling"], ["'runs=[lamp,cooling]'", "-m"]),
         (["runs=[lamp"], ["[lamp"]),
         (["runs=lamp"], ["runs", "lamp", "[a,b]"]),
         (["runs=[nope]"], ["unknown run", "nope", "lamp, cooling\n"]),

@@ -97,6 +97,8 @@ def _refusal(verb: str, fault: Exception) -> errors.InputError:
     if bare and "data" in names:
         # A word without a name is a folder as a rule.
         meant = f"write data={bare[1]} if that is the folder of the data; "
+    if several := re.search("Ambiguous value for argument '([^'=]+)=([^']*)'", found):
+        meant = f"write '{several[1]}=[{several[2]}]' for a list, or add -m to run each; "
     own = dict.fromkeys(name.partition(".")[0] for name in names)
     limit = listed or [name for name in own if name not in ("defaults", "hydra")]
     return errors.InputError(
