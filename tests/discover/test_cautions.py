@@ -23,8 +23,8 @@ DARK = f"{'-' if NORMAL[AXIS] > 0 else '+'}{'xyz'[AXIS]}"
 
 def at(side: str | None) -> Round:
     """A contact at a side."""
-    one = one_round(["support_contact"], 1.0)
-    return replace(one, candidates=[], effect=replace(one.effect, card=SupportContact.card, side=side))
+    one = replace(one_round(["support_contact"], 1.0), candidates=[])
+    return replace(one, effect=replace(one.effect, card=SupportContact.card, side=side))
 
 
 @pytest.mark.parametrize(("side", "count"), [(LIT, 1), (DARK, 0), (None, 0)])

@@ -20,8 +20,8 @@ _CHANCE: Final = 0.01
 """Of noise leaving as much in smooth shapes, below which more than noise is left [1]."""
 
 _ALIKE: Final = 1e-3
-"""Share of a gap [1], below which it is worth words that a rival leaves no more of it: the square of
-a thirtieth, by which a stated value may well be off, and what an effect does with it."""
+"""Share of a gap [1]: that a rival leaves no more of it is worth words. It is the square of a
+thirtieth, by which a stated value may well be off, and what an effect does with it."""
 
 _LEFT_OVER: Final = (
     "More than noise is left: what could have been missed is told for noise alone, and may be more."
@@ -47,7 +47,7 @@ def cautions(
 
 
 def _alike(one: Round) -> str:
-    """Rivals that are excluded by noise alone, and would not be were what is stated a little off."""
+    """Rivals that noise alone excludes, and may not if what is stated is a little off."""
     near = {
         item.card.name.replace("_", " "): item.left
         for item in one.candidates
