@@ -1,4 +1,4 @@
-"""Patches on a skin that is flat there, and on one that is not."""
+"""Patches on a skin that is flat there, and on one that is not; the skin that a lamp lights."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 import trimesh
-from lit_box import MESH
+from lit_box import LAMP, MESH, run
 
 from thermo.discover import Inclusion
-from thermo.discover._skin import across_skin, flat_across, on_skin
-from thermo.mesh import Mesh, box_mesh, mesh_from_cells
+from thermo.discover._skin import across_skin, flat_across, lit_skin, on_skin
+from thermo.mesh import Mesh, box_mesh, face_centres, mesh_from_cells
 
 HEIGHT = float(MESH.nodes.max(0)[2])
 
@@ -76,3 +76,23 @@ def test_another_part_has_its_own_skin() -> None:
     side = replace(side, size=side.size.at[1].set(jnp.asarray([0.0005, 0.003, 0.002])))
     fine = box_mesh((0.02, 0.012, 0.008), (20, 12, 8))
     np.testing.assert_array_equal(flat_across(side, 1, fine), [True, False, False])
+
+
+def test_the_skin_that_a_lamp_lights_faces_it_and_is_near_its_axis() -> None:
+    fine = box_mesh((0.02, 0.02, 0.008), (20, 20, 4))
+    radius = 0.003
+    above = LAMP | {"centre": [0.01, 0.01, 0.05], "direction": [0, 0, -2], "radius": radius}
+    lit = lit_skin([run("lamp", lamp=above), run("cooling")], fine)
+    far = np.hypot(*(lit[:, :2] - 0.01).T)
+    np.testing.assert_allclose(lit[:, 2], 0.008, atol=1e-12)
+    # A twentieth of the light is left at 2.45 radii.
+    assert 2.2 * radius < far.max() < 2.46 * radius
+    top = face_centres(fine)[fine.normals[:, 2] > 0.5]
+    near = np.hypot(*(top[:, :2] - 0.01).T) < 2.4 * radius
+    assert len(lit) >= near.sum() > 50
+    # A second lamp adds what it lights, from the side here.
+    beside = above | {"centre": [0.05, 0.01, 0.004], "direction": [-1, 0, 0]}
+    both = lit_skin([run("lamp", lamp=above), run("other", lamp=beside)], fine)
+    assert {tuple(one) for one in lit} < {tuple(one) for one in both}
+    assert np.isclose(both[:, 0].max(), 0.02)
+    assert len(lit_skin([run("cooling")], fine)) == 0

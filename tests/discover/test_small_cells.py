@@ -16,9 +16,15 @@ from thermo.discover import _small_cells as module
 from thermo.discover._bench import Bench
 from thermo.discover._extended import Extended
 from thermo.discover._pace import silent
-from thermo.discover.candidates import CameraDrift, HiddenSource, SupportContact, Void
+from thermo.discover.candidates import (
+    CameraDrift,
+    HiddenSource,
+    InDepthAbsorption,
+    SupportContact,
+    Void,
+)
 from thermo.errors import InputError
-from thermo.inverse import Ready
+from thermo.inverse import Ready, Task
 
 PLACE = Place(jnp.zeros((1, 3)), jnp.ones(1))
 
@@ -44,6 +50,23 @@ def test_the_thinnest_place_at_work_is_that_of_a_void_along_its_shortest_axis() 
     edges = module.edges(at_work("hidden_source", "void"))
     np.testing.assert_array_equal(edges, flat.edge(0))
     assert len(module.edges(at_work("hidden_source"))) == 0
+
+
+def test_light_that_goes_deeper_asks_for_small_cells_where_it_enters(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    light = InDepthAbsorption(jnp.ones(2), Place(None, jnp.array([4e-4, 1e-3])))
+    made = standing(60.0, 2, active=(("in_depth_absorption", 1),))
+    bench, task = object.__new__(Bench), object.__new__(Task)
+    object.__setattr__(task, "runs", ("lamp",))
+    for name, value in {"task": task, "finer": "fine"}.items():
+        object.__setattr__(bench, name, value)
+    object.__setattr__(made, "bench", bench)
+    object.__setattr__(made, "point", Extended({}, (light,)))
+    skin = np.array([[0.01, 0.01, 0.008]])
+    monkeypatch.setattr(module, "lit_skin", lambda *given: skin if given[1] == "fine" else None)
+    np.testing.assert_array_equal(module.edges(made), skin)
+    assert module.thinnest(made) == pytest.approx(1e-3) and module.placed(made)
 
 
 def small_cells(

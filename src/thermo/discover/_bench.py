@@ -101,8 +101,8 @@ def _coarse(task: Task, ready: Ready) -> Objective:
 def resolved(bench: Bench, edges: Points) -> Bench:
     """The bench with cells nearly as small as those that it is measured against [m].
 
-    About `edges` [m], where what is inside is not what is outside, they are smaller still, and of
-    those that they are measured against as well.
+    About `edges` [m], where what is inside is not what is outside, or light soon fades, they are
+    smaller still, and of those that they are measured against as well.
     """
     task, stated = bench.task, bench.ready.stated
     if not len(edges):

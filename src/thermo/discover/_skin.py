@@ -1,7 +1,8 @@
-"""The skin that a patch with an edge lies on."""
+"""The skin that a patch with an edge lies on, and that a lamp lights."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final
 
 import jax.numpy as jnp
@@ -10,10 +11,13 @@ from jaxtyping import Bool, Float
 
 from thermo.discover._candidate import Inclusion
 from thermo.mesh import Mesh, face_areas, face_centres
+from thermo.observe import Run
 
 # How far an axis goes across a flat skin at the least, and how much of a patch is on that [1].
 _ACROSS: Final = 0.98
 _MOST: Final = 0.8
+# Of the light where a lamp is brightest, what counts as lit [1].
+_LIT: Final = 0.05
 
 
 def across_skin(place: Inclusion, part: int, mesh: Mesh) -> Float[np.ndarray, "3"]:
@@ -38,6 +42,18 @@ def on_skin(place: Inclusion, part: int, mesh: Mesh) -> Float[np.ndarray, "3"]:
     nearest = face_centres(mesh)[_nearest(place, part, mesh)]
     middle = np.asarray(place.centre[part])
     return np.where(flat_across(place, part, mesh), nearest, middle)
+
+
+def lit_skin(runs: Sequence[Run], mesh: Mesh) -> Float[np.ndarray, "points 3"]:
+    """Middles of the faces [m] on which lamps of the runs shine, but for the rim of their light."""
+    middles, lit = face_centres(mesh), np.zeros(len(mesh.faces), bool)
+    for lamp in (run.heater for run in runs if run.heater is not None):
+        way = np.asarray(lamp.direction) / np.linalg.norm(lamp.direction)
+        off = middles - np.asarray(lamp.centre)
+        across = np.sum(off**2, axis=1) - (off @ way) ** 2
+        light = np.maximum(-mesh.normals @ way, 0.0) * np.exp(-across / (2 * lamp.radius**2))
+        lit |= light > _LIT * light.max()
+    return middles[lit]
 
 
 def _nearest(place: Inclusion, part: int, mesh: Mesh) -> int:

@@ -13,9 +13,10 @@ from thermo.discover._bench import edge_of, resolved
 from thermo.discover._candidate import Candidate, Inclusion, Place
 from thermo.discover._pace import Pace
 from thermo.discover._rounds import rms
+from thermo.discover._skin import lit_skin
 from thermo.discover._standing import BY_SHAPES, Standing, fitted, share_closed
 from thermo.discover._verdict import Round
-from thermo.discover.candidates import SupportContact
+from thermo.discover.candidates import InDepthAbsorption, SupportContact
 from thermo.errors import InputError
 
 _BURST: Final = (
@@ -85,10 +86,12 @@ def _sizes(standing: Standing) -> Iterator[tuple[Candidate, float]]:
 
 
 def edges(standing: Standing) -> Float[np.ndarray, "points 3"]:
-    """Points [m] on the edges of inclusions at work."""
+    """Points [m] on the edges of inclusions at work, and where light that goes deeper enters."""
     found = [np.zeros((0, 3))]
     for name, part in standing.active:
-        place = next(one.place for one in standing.point.candidates if one.card.name == name)
-        if isinstance(place, Inclusion):
-            found.append(place.edge(part))
+        one = next(one for one in standing.point.candidates if one.card.name == name)
+        if isinstance(one.place, Inclusion):
+            found.append(one.place.edge(part))
+        if isinstance(one, InDepthAbsorption):
+            found.append(lit_skin(standing.bench.task.runs, standing.bench.finer))
     return np.concatenate(found)
