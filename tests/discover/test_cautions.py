@@ -45,13 +45,13 @@ def test_a_sign_that_is_not_known_is_told(ends: tuple[float, float], count: int)
 
 
 @pytest.mark.parametrize(("left", "count"), [(3e-4, 1), (2e-3, 0), (None, 0)])
-def test_a_rival_that_noise_alone_excludes_is_told(left: float | None, count: int) -> None:
+def test_a_rival_that_is_excluded_by_little_is_told(left: float | None, count: int) -> None:
     source, lag = candidacies()
     one = replace(one_round(["hidden_source"], 1.0), candidates=[source, replace(lag, left=left)])
     told = cautions([one], RUNS, {}, 0.5)
     assert len(told) == count
     if count:
-        assert told[0].startswith("sensor lag leaves 0.03 % of what hidden source closes.")
+        assert told[0].startswith("sensor lag leaves 0.03 % of what hidden source closes, ")
         assert told[0].endswith(f"{source.card.split_by}.")
     # What is in the set is told there.
     both = replace(one, together=["hidden_source", "sensor_lag"])

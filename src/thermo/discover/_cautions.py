@@ -47,7 +47,7 @@ def cautions(
 
 
 def _alike(one: Round) -> str:
-    """Rivals that noise alone excludes, and may not if what is stated is a little off."""
+    """Rivals that readings exclude by little: not if what is stated is a little off, perhaps."""
     near = {
         item.card.name.replace("_", " "): item.left
         for item in one.candidates
@@ -58,9 +58,10 @@ def _alike(one: Round) -> str:
     best = one.effect.card.name.replace("_", " ")
     told = " and ".join(f"{name} leaves {100 * left:.1g} %" for name, left in near.items())
     return (
-        f"{told} of what {best} closes. Noise would leave less, and so it is not in the set. But a "
-        "value that is stated, not fitted, and off by some per cent, an emissivity say, may make "
-        f"as small a difference. What would tell them apart whatever is stated: "
+        f"{told} of what {best} closes, and is not in the set, as readings speak against it by "
+        "more than noise. But a value that is stated, not fitted, and off by some per cent, an "
+        "emissivity say, may make as small a difference. What would tell them apart whatever is "
+        "stated: "
         f"{one.effect.card.split_by}."
     )
 
