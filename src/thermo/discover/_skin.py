@@ -46,6 +46,7 @@ def on_skin(place: Inclusion, part: int, mesh: Mesh) -> Float[np.ndarray, "3"]:
 
 def lit_skin(runs: Sequence[Run], mesh: Mesh) -> Float[np.ndarray, "points 3"]:
     """Middles of the faces [m] on which lamps of the runs shine, but for the rim of their light."""
+    # Each face that is lit: the rays of `in_beam` are too far apart in wide light.
     middles, lit = face_centres(mesh), np.zeros(len(mesh.faces), bool)
     for lamp in (run.heater for run in runs if run.heater is not None):
         way = np.asarray(lamp.direction) / np.linalg.norm(lamp.direction)

@@ -230,9 +230,9 @@ def _without_excluded(path: SearchPath, pace: Pace) -> tuple[SearchPath, Proof]:
             standing = _in_place(path, one)
             there[one.name()] = standing, held_out(standing.bench, begun, standing.point)
     proofs = {each: found for each, (_, found) in there.items()}
-    path, out = _proved(path, proofs), excluded(proofs)
+    out = excluded(proofs)
     if not out:
-        return path, proof
+        return _proved(path, proofs), proof
     kept = [each for each in alike if each not in out]
     best = min((each for each in kept if each in there), key=lambda each: excess(proofs[each]))
     remarks = [*path.remarks, _excluded(best, there[best][1], out)]
