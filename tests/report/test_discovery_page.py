@@ -360,3 +360,14 @@ def test_a_browser_draws_the_page_without_errors(verdict: str, tmp_path: Path) -
 def test_with_fewer_than_two_candidates_there_is_no_matrix() -> None:
     page = discovery_page(record("no_gap", alias={"void": {"void": 1.0}}), "A body")
     assert "There are no two candidates to compare." in page
+
+
+@pytest.mark.parametrize(
+    ("left", "told"),
+    [(1e-7, "0.0 %"), (3e-4, "0.03 %"), (0.0123, "1.2 %"), (0.9995, "above 99.9 %")],
+)
+def test_a_small_share_is_not_told_as_none(left: float, told: str) -> None:
+    one = found(["hidden_source"], closed=0.9) | {"candidates": table(0.0, left)}
+    cells = _Checker(discovery_page(record("named", rounds=[one]), "A block")).cells
+    begin = cells.index("+812") - 1
+    assert cells[begin + 11] == told
