@@ -100,6 +100,7 @@ def searched(
             list(told) if rivals and most == table.threshold**2 else [],
         ),
         "undoubted": lambda made, _: made,
+        "by_fine_slopes": lambda last, doubted, _: (last, doubted),
         "with_joint_effects": lambda rounds, *_: rounds,
         "calibrated": lambda *_: Calibration(np.ones(9), 0.04, 0.01, 0.05),
     }

@@ -203,6 +203,14 @@ def _step(
     return step * unit, float(-slope @ step - step @ alike @ step / 2)
 
 
+def newton(here: Ended, free: Free) -> tuple[Float[np.ndarray, " free"], float]:
+    """Newton's step within the bounds, each entry in its unit, and what it promises [1].
+
+    Entries that are logarithms move by shares of what they stand for, as of `Free.after`.
+    """
+    return _step(here, free, np.asarray(ravel_pytree(here.point)[0])[free.number], _DAMPING)
+
+
 def begun(objective: Objective, point: Extended, free: Free, allowed: Allowance) -> Ended:
     """Where least squares begin, residual and slopes in what is `allowed` for [1]."""
     return _at(objective, point, free.ways(len(ravel_pytree(point)[0])), allowed)

@@ -13,6 +13,7 @@ from thermo.discover._calibration import Calibration, calibration
 from thermo.discover._candidate import Candidate
 from thermo.discover._edged import with_an_edge
 from thermo.discover._entries import Active
+from thermo.discover._fine_slopes import by_fine_slopes
 from thermo.discover._pace import Pace
 from thermo.discover._place_doubt import (
     CLEAR,
@@ -163,14 +164,24 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace, *, rough: b
             settled = standing
             standing = doubted = with_doubt(standing, begun.allowed)
     pace.step("fitting what was found once more, and drawing noise alone")
-    # Where nothing came after the last doubt, what was fitted just before it need not be again.
-    last = undoubted(settled if standing is doubted else standing, begun.allowed)
-    together = with_joint_effects(rounds, last, standing)
+    last, doubted = _ended(settled, standing, standing is doubted, begun, pace)
+    together = with_joint_effects(rounds, last, doubted)
     word = "no_gap" if quiet else _word(begun, last, together, tables[0])
     others = rivals.get(last.active[-1], ()) if last.active else ()
     remarks += twice([name for name, _ in last.active]) + made_up(together)
     alarms = calibrated(begun, tables[0])
     return SearchPath(word, together, begun, last, tables[0], remarks, alarms, others)
+
+
+def _ended(
+    settled: Standing, standing: Standing, latest: bool, begun: Standing, pace: Pace
+) -> tuple[Standing, Standing]:
+    """Where a search ended, no doubt about places allowed for, and with that.
+
+    Where that doubt is the `latest`, what was `settled` just before it need not be fitted again.
+    """
+    last = undoubted(settled if latest else standing, begun.allowed)
+    return by_fine_slopes(last, standing, pace)
 
 
 def _told(one: Round, pace: Pace) -> Round:
