@@ -135,6 +135,15 @@ def test_a_step_that_leaves_more_is_not_taken(monkeypatch: pytest.MonkeyPatch) -
     assert found.ended.slopes[2, 1] == pytest.approx(30 * 1.5**2 * 0.5, rel=0.03)
 
 
+def test_a_share_of_next_to_nothing_grows_to_its_bound_at_the_most(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    toy = Toy(point(0.2, 1e-4, DEPTH), monkeypatch)
+    first = toy.not_moved(toy.begun, FREE).ended.loss()
+    found, _ = toy.asked()
+    assert 1e-4 < told(found)[1] <= 1.0 and found.ended.loss() < first
+
+
 def test_what_fine_cells_cannot_take_stays_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     toy = Toy(point(0.1, 0.5, 6e-4), monkeypatch)
 

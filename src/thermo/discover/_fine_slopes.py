@@ -85,10 +85,10 @@ def by_fine_slopes(standing: Standing, doubted: Standing, pace: Pace) -> tuple[S
 
 def _of_light(small: Standing, free: Free) -> Numbers:
     """Which of the free entries are shares and depths of light below the skin [1]."""
-    point, found = small.point, []
+    point, every, found = small.point, numbers(small.point).at.candidates, []
     for name, part in small.active:
         entry = entry_of(point, (name, part))
-        one, at = point.candidates[entry.kind], numbers(point).at.candidates[entry.kind]
+        one, at = point.candidates[entry.kind], every[entry.kind]
         if isinstance(at, InDepthAbsorption) and float(one.strength[part]) > 0:
             found += [float(at.strength[part]), float(at.place.size[part])]
     return np.flatnonzero(np.isin(free.number, found))
@@ -113,7 +113,9 @@ def _moved(here: Standing, free: Free, some: Numbers, step: Float[np.ndarray, " 
     """
     old = _values(here, free)
     new = free.after(old, step)
-    new[some] = np.clip(old[some] * np.exp(step[some] / old[some]), free.low[some], free.high[some])
+    # A share of next to nothing may be told to grow by more than a number holds.
+    by = np.minimum(step[some] / old[some], np.log(free.high[some] / old[some]))
+    new[some] = np.clip(old[some] * np.exp(by), free.low[some], free.high[some])
     return replace(here, point=_to(here, free, new))
 
 
