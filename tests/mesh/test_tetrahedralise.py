@@ -1,6 +1,7 @@
 """Meshing by pytetwild, its gate and its cache."""
 
 import os
+import subprocess
 import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -108,6 +109,23 @@ def test_the_mesher_is_asked_again_until_cells_are_small(cube, monkeypatch, edge
     assert seen == [
         (pytest.approx(wanted * 0.6**k), pytest.approx(COARSE.core * 0.7**k)) for k in range(asked)
     ]
+
+
+@pytest.mark.parametrize(("body", "simplified"), [("cube", False), ("ball", True)])
+def test_within_flat_faces_the_mesher_need_not_look_for_what_to_take_off(
+    body, simplified, request, tmp_path, monkeypatch
+):
+    seen = []
+
+    def run(command, **_):
+        with np.load(command[2], allow_pickle=False) as told:
+            seen.append(bool(told["simplify"]))
+        raise subprocess.TimeoutExpired(command, 1.0)
+
+    monkeypatch.setattr(module.subprocess, "run", run)
+    with pytest.raises(InputError, match="did not finish"):
+        tetrahedralise(request.getfixturevalue(body), COARSE, cache=tmp_path)
+    assert seen == [simplified]
 
 
 def test_without_a_place_for_small_cells_the_mesher_is_asked_once(cube, monkeypatch):

@@ -25,6 +25,7 @@ def main(source: str, target: str) -> None:
             epsilon=float(given["epsilon"]),
             stop_energy=float(given["stop_energy"]),
             num_opt_iter=int(given["passes"]),
+            simplify=bool(given["simplify"]),
             coarsen=bool(given["coarsen"]),
             vtk_ordering=True,
             quiet=True,

@@ -21,6 +21,7 @@ from ._conform import conformed
 from ._gate import gated_mesh, sound_mesh
 from ._geometry import squared_edges
 from ._mesh import Mesh
+from ._needless import needless_share
 from ._simplify import simplified
 from ._sizing import Fine, Sizing
 from ._sizing_field import sizing_field
@@ -50,6 +51,11 @@ AGAIN: Final = 0.6
 
 DENSER: Final = 0.7
 """The same of the longest one, by which the mesher spreads the points that it begins with."""
+
+NEEDLESS: Final = 0.5
+"""Share of needless vertices from which the mesher does not take them off before it begins: within
+flat faces it looks all along ever longer triangles, for longer than it makes the mesh, which comes
+out alike without (`benchmarks/needless_triangles.py`). Elsewhere that saves it time."""
 
 ASKED: Final = 4
 """How often the mesher is asked at the most."""
@@ -145,6 +151,7 @@ def _run_mesher(
             epsilon=sizing.envelope(surface) / surface.diagonal(),
             stop_energy=STOP_ENERGY,
             passes=PASSES,
+            simplify=needless_share(surface) < NEEDLESS,
             coarsen=True,
             field_nodes=field_nodes,
             field_cells=field_cells,
