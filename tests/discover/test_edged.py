@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from lit_box import MESH, SIZE
-from standings import standing
+from standings import SAMPLES, standing
 from verdicts import one_round
 
 from thermo.discover import Inclusion, Place, _edged
@@ -65,6 +66,14 @@ def test_a_patch_begins_on_a_skin_that_is_flat_there() -> None:
     np.testing.assert_allclose(found.place.centre, CENTRES.at[0, 2].set(LOWER), atol=1e-12)
 
 
+FAR = np.full((SAMPLES, 3), 1.0)
+
+
+def read_at(points: np.ndarray) -> SimpleNamespace:
+    """A run of that name, as far as is looked at."""
+    return SimpleNamespace(name="run", recording=SimpleNamespace(points=points))
+
+
 def tried(
     monkeypatch: pytest.MonkeyPatch,
     left: float,
@@ -72,14 +81,17 @@ def tried(
     bell: Any = BELL,
     smooth: float = 20.0,
     burst: bool = False,
+    points: np.ndarray = FAR,
+    whole: float = 60.0,
 ) -> tuple[Standing, Standing, list[str]]:
     """Where a search stands with a bell, and after an even patch that leaves so much was tried."""
     name, told = bell.card.name, []
-    here = standing(60.0, 5, smooth, ((name, 0),))
+    here = standing(whole, 5, smooth, ((name, 0),))
     ready = object.__new__(Ready)
     object.__setattr__(ready, "mesh", MESH)
     bench = object.__new__(Bench)
     object.__setattr__(bench, "ready", ready)
+    object.__setattr__(bench, "task", SimpleNamespace(runs=(read_at(points),)))
     object.__setattr__(here, "bench", bench)
     object.__setattr__(here, "point", Extended({}, (SensorLag(jnp.zeros(1)), bell)))
 
@@ -142,3 +154,12 @@ def test_it_is_not_tried_where_a_bell_will_do_or_nothing_else_can_be(
     for more in ({"smooth": 1.0}, {"bell": with_edge(BELL)}, {"bell": support}):
         here, after, told = tried(monkeypatch, 20.0, **more)
         assert after is here and told == []
+
+
+def test_a_misfit_at_samples_near_by_is_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Of a residual that is no more than noise in smooth shapes: within three sizes, and beyond.
+    for away, wanted in ((0.0089, ["Inclusion"]), (0.0091, [])):
+        points = FAR.copy()
+        points[2:] = np.asarray(CENTRES[0]) + [away, 0.0, 0.0]
+        _, after, told = tried(monkeypatch, 20.0, smooth=1.0, points=points, whole=600.0)
+        assert told == wanted and after.active == ((BELL.card.name, 0),)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from thermo.discover._misfit import misfits
+from thermo.discover._misfit import chance_near, misfits
 from thermo.discover._modes import space_modes, time_modes
 from thermo.discover._softening import Block
 
@@ -52,3 +52,19 @@ def test_what_does_not_change_is_steady_and_what_grows_is_not() -> None:
     found = misfits(runs, growing.ravel())["lamp"]
     assert found.changing.squares > 0.9 * float((growing**2).sum())
     assert found.steady.squares < 1e-9
+
+
+def test_noise_at_a_few_samples_is_by_chance_and_what_is_slow_there_is_not() -> None:
+    runs, random = blocks(), np.random.default_rng(6)
+    near = {"lamp": np.arange(SAMPLES) < 4, "cooling": np.arange(SAMPLES) == 7}
+    drawn = [random.standard_normal(2 * FRAMES * SAMPLES) for _ in range(400)]
+    chances = np.array([chance_near(runs, one, near) for one in drawn])
+    # Noise is taken for as large as it may be, so that fewer than one in ten are below a tenth.
+    assert 0.01 < np.mean(chances < 0.1) < 0.1
+    slow = np.zeros((2, FRAMES, SAMPLES))
+    for sample, less in ((2, True), (9, False)):
+        slow[:] = 0.0
+        slow[0, :, sample] = 3.0 * np.linspace(-1, 1, FRAMES)
+        assert (chance_near(runs, drawn[0] + slow.ravel(), near) < 0.01) == less
+    nowhere = {name: np.zeros(SAMPLES, bool) for name in near}
+    assert chance_near(runs, drawn[0], nowhere) == 1.0

@@ -252,6 +252,9 @@ def test_what_does_not_explain_the_gap_is_not_named() -> None:
     cells = _Checker(page).cells
     assert cells[1] == "hidden source (the closest, not named)" and "34.0 %" in cells
     assert '<tr class="named">' not in page
+    # There are intervals of the unknowns only where something is named.
+    left_out = "leave out what the shape of a place"
+    assert left_out not in page and left_out in discovery_page(record("named"), "A block")
     page = discovery_page(record("none_of_mine", rounds=[]), "A block")
     assert "No candidate was put to work." in page
 

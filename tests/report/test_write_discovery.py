@@ -16,11 +16,12 @@ from thermo.discover.candidates import AmbientDrift, LatentHeat, LocalConvection
 from thermo.report import discovery_record, discovery_table, write_discovery
 
 WORDS = {
-    "named": "Missing effect: hidden source, 1.25 W [1.211, 1.289], at (10.0, 0.0, 4.0) mm. "
-    "Its strength: heat released inside, taken up where it is negative.",
+    "named": "Missing effect: hidden source, 1.25 W [1.211, 1.289], at (10.0, 0.0, 4.0) mm "
+    "fading over 5 mm. Its strength: heat released inside, taken up where it is negative.",
     "inseparable": "Cannot tell hidden source from sensor lag. What would: a run without a lamp",
-    "none_of_mine": "explains it; the closest is hidden source, which closes 40 % of it. What was "
-    "fitted, conductivity, bends to it, and is no measurement.",
+    "none_of_mine": "explains it; the closest is hidden source, at (10.0, 0.0, 4.0) mm fading "
+    "over 5 mm, which closes 40 % of it. What was fitted, conductivity, bends to it, and is no "
+    "measurement.",
     "no_gap": "No gap: simulation and readings differ by no more than noise and numerics.",
 }  # fmt: skip
 
@@ -32,12 +33,15 @@ def test_each_verdict_says_what_it_is(word: str) -> None:
     named = ["hidden_source"] if word in ("named", "inseparable") else []
     assert record["effects"] == named and record["remarks"] == ["A remark."]
     proof = " ".join(record["sentences"])
-    told = "is 0.4 K, at a noise" if word == "no_gap" else "falls from 0.4 to 0.055 K, at a noise"
+    with_it = " with the closest" if word == "none_of_mine" else ""
+    falls = f"falls from 0.4 to 0.055 K{with_it}, at a noise"
+    told = "is 0.4 K, at a noise" if word == "no_gap" else falls
     assert f"On other, which was not fitted, the difference {told}" in proof
 
 
 def test_a_set_is_told_with_what_the_model_holds_and_what_would_stand_in_its_place() -> None:
-    source = "The model holds hidden source, 1.25 W [1.211, 1.289], at (10.0, 0.0, 4.0) mm."
+    at = "at (10.0, 0.0, 4.0) mm fading over 5 mm"
+    source = f"The model holds hidden source, 1.25 W [1.211, 1.289], {at}."
     lag = " In its place would stand sensor lag, 0.8 s [0.604, 0.996]"
     beside = " (with conductivity 2.3 W/m/K [2.2, 2.4], emissivity 0.85 [0.8, 0.9])."
     found = verdict("inseparable")
@@ -159,7 +163,17 @@ def test_what_reads_alike_is_told_beside_an_effect() -> None:
         effect = replace(effect, strength=strength)
         told = discovery_record(replace(made, rounds=[replace(one, effect=effect)]))
         middle = f" Its strength: {LocalConvection.card.means}."
-        assert told["sentences"][0].endswith(f"at (10.0, 0.0, 4.0) mm.{middle}{ending}")
+        assert told["sentences"][0].endswith(f"mm fading over 5 mm.{middle}{ending}")
+
+
+def test_a_place_that_ends_at_an_edge_is_told_with_its_half_widths() -> None:
+    made = verdict("named")
+    (one,) = made.rounds
+    size = jnp.asarray([[0.006, 0.0041, 0.001]])
+    outline = Inclusion(jnp.zeros((1, 3)), size, jnp.asarray([4.0]), jnp.asarray([8.0]))
+    even = replace(one.effect, outline=outline)
+    told = discovery_record(replace(made, rounds=[replace(one, effect=even)]))["sentences"][0]
+    assert "at (10.0, 0.0, 4.0) mm within half-widths of (6.0, 4.1, 1.0) mm. Its" in told
 
 
 @pytest.mark.parametrize(
@@ -181,7 +195,7 @@ def test_a_film_is_told_over_all_of_its_place() -> None:
     told = discovery_record(replace(made, rounds=[replace(one, effect=film)]))
     assert told["rounds"][0]["conductance"] == 0.03141
     assert told["rounds"][0]["conductance_interval95"] == [0.0251, 0.0377]
-    assert "at (10.0, 0.0, 4.0) mm, 0.0314 W/K [0.0251, 0.0377] in all." in told["sentences"][0]
+    assert "fading over 5 mm, 0.0314 W/K [0.0251, 0.0377] in all." in told["sentences"][0]
 
 
 def test_a_support_is_told_with_its_side_and_depth() -> None:

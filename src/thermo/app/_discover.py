@@ -30,7 +30,7 @@ from thermo.report import (
 _LEFT: Final = {
     "verdict.json": "every number",
     "verdict.html": "the same drawn, one page",
-    "estimate.npz": "the model with what was found, for thermo predict",
+    "estimate.npz": "the model with what was named, if anything was, for thermo predict",
 }
 
 

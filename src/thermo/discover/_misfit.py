@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
+from scipy.stats import chi2
 
 from thermo.discover._softening import Block
 
@@ -49,3 +51,24 @@ def _misfit(block: Block, residual: Float[np.ndarray, " values"]) -> Misfit:
         Part(changing, smooth[1:].size),
         Part(float(own @ own) - steady - changing, block.readings - smooth.size),
     )
+
+
+def chance_near(
+    runs: list[Block],
+    residual: Float[np.ndarray, " values"],
+    near: Mapping[str, Bool[np.ndarray, " samples"]],
+) -> float:
+    """Probability of as large a misfit at some samples by chance, noise as large as may be [1].
+
+    Each sample by itself, smooth in time: what a small place leaves about its edge is narrower than
+    the smooth shapes over the body.
+
+    Arguments: `residual`: in what is allowed for [1]; `near`: the samples of each run, by its name.
+    """
+    told, count = 0.0, 0
+    for block in runs:
+        own = residual[block.part].reshape(block.shape)[:, : len(near[block.name])]
+        along = block.in_time.T @ own[:, near[block.name]]
+        told += float(np.sum(along**2)) / block.level
+        count += along.size
+    return float(chi2.sf(told, count)) if count else 1.0

@@ -71,12 +71,13 @@ _CELLS: Final = (
     "A score of {:.3g} passed the threshold against cells {:g} times as short as a fit's, and none "
     "does against cells {:g} times as short: it came from the cells."
 )
+_SLIGHTLY: Final = "a slight alarm on smaller cells"
 # Worth telling [1].
 _FAR: Final = 1.05
 _SCATTER: Final = (
     "Cells {:g} times as short as a fit's may still be wrong by so much that scores scatter {:.2g} "
     "times as far as by noise alone, and the threshold is as much higher. A larger "
-    "mesh.cells_per_depth leaves less."
+    "mesh.cells_per_depth, 1 by default, leaves less and takes longer."
 )
 _COLLINEAR: Final = (
     "Together {} meet the readings, but each of them may as well be nothing beside the others: "
@@ -216,7 +217,8 @@ def checked(
     Where there can be none, or a search is not on the mesh any more on which it had `begun`, all
     stays as it is. `share`: as for `told_by`.
     """
-    pace.step(f"checking {'an' if rough else 'a slight'} alarm on smaller cells")
+    which = "an alarm on smaller cells, as a fit's make much wrong" if rough else _SLIGHTLY
+    pace.step(f"checking {which}")
     bench = finest(standing.bench)
     if bench is standing.bench or bench.ready is not begun.bench.ready:
         return standing, table
@@ -380,7 +382,7 @@ def _rest(one: Round | None) -> str:
     if one is None:
         return (
             "More than noise is left (rms_after of the last round), in which no candidate shows by "
-            "much: what was found may hold a part of it."
+            "much: what was put to work may hold a part of it."
         )
     name = one.effect.card.name
     return (

@@ -97,8 +97,8 @@ def _check_lamp(heater: Heater, surface: Surface, where: str) -> None:
             where=f"{where}.centre",
             value=f"{away:.3g} m from the middle of an object of {size:.3g} m",
             limit=f"{_PASSES:g} times the object's diagonal, {_PASSES * size:.3g} m",
-            remedy="give centre and radius in metres; for even light, let a wide spot's axis pass "
-            "through the object",
+            remedy="give centre and radius in metres, and the surface's `unit` as its file has it; "
+            "for even light, let a wide spot's axis pass through the object",
         )
     beside = _beside(heater, surface)
     if beside > _BESIDE * heater.radius:

@@ -338,7 +338,9 @@ def _parameters(record: Record) -> str:
             for name, one in fit["parameters"].items()
         ]
     heads = ["unknown", "before", "after", "95 %", "change"]
-    return _table(heads, rows, ["parameter"] * len(rows))
+    made = _table(heads, rows, ["parameter"] * len(rows))
+    placed = record["effects"] and any(one["location"] for one in record["rounds"])
+    return made + (_note("Intervals leave out what the shape of a place may be.") if placed else "")
 
 
 def _values(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -258,7 +258,7 @@ def verdict_sentences(found: Verdict) -> list[str]:
             if len(one.together) > 1
         ]
     told += [
-        _proof(name, one) if found.rounds else _as_stated(name, one)
+        _proof(name, one, found.verdict) if found.rounds else _as_stated(name, one)
         for name, one in found.held_out.items()
     ]
     return [*told, *found.remarks]
@@ -272,14 +272,15 @@ def _as_stated(name: str, one: HeldOut) -> str:
     )
 
 
-def _proof(name: str, one: HeldOut) -> str:
+def _proof(name: str, one: HeldOut, verdict: str) -> str:
     """What a run that was not fitted says."""
+    closest = " with the closest" if verdict == "none_of_mine" else ""
     goes = "rises" if one.rms_after > one.rms_before else "falls"
     wrong = one.rms_after**2 - one.rms_before**2 > one.noise**2
     more = " What explains the fitted runs does not hold there." if wrong else ""
     return (
         f"On {name}, which was not fitted, the difference {goes} from {one.rms_before:.3g} "
-        f"to {one.rms_after:.3g} K, at a noise of {one.noise:.3g} K.{more}"
+        f"to {one.rms_after:.3g} K{closest}, at a noise of {one.noise:.3g} K.{more}"
     )
 
 
@@ -293,27 +294,39 @@ def _named(effect: Effect) -> str:
 def _told(effect: Effect) -> str:
     """An effect with its strength and its place."""
     low, high = effect.interval95
-    place = ""
-    if effect.centre is not None:
-        # No zero with a sign.
-        at = ", ".join(f"{round(1e3 * one, 1) + 0.0:.1f}" for one in effect.centre)
-        place = f", at ({at}) mm"
-    if effect.side is not None:
-        place = f", at the side {effect.side}"
-    # A support that ends with a flat side reaches no deeper.
-    flat = effect.side is not None and (effect.depth or 0.0) < _FLAT * (effect.size or 0.0)
-    if effect.depth is not None and not flat:
-        place += f", to a depth of {1e3 * effect.depth:.2g} mm"
-    if effect.transition is not None:
-        place = ", at {:.4g} K, over {:.2g} K".format(*effect.transition)
     whole = ""
     if effect.conductance is not None and effect.conductance95 is not None:
         ends = "[{:.3g}, {:.3g}]".format(*effect.conductance95)
         whole = f", {effect.conductance:.3g} W/K {ends} in all"
     return (
         f"{_spoken(effect.card.name)}, {effect.strength:.4g}{_unit(effect.card.unit)} "
-        f"[{low:.4g}, {high:.4g}]{place}{whole}"
+        f"[{low:.4g}, {high:.4g}]{_place(effect)}{whole}"
     )
+
+
+def _place(effect: Effect) -> str:
+    """Where an effect is, and how far it reaches; nothing where it has no place."""
+    if effect.transition is not None:
+        return ", at {:.4g} K, over {:.2g} K".format(*effect.transition)
+    place = ""
+    if effect.centre is not None:
+        place = f", at ({_millimetres(effect.centre)}) mm"
+        if effect.outline is not None:
+            place += f" within half-widths of ({_millimetres(effect.outline.size[0])}) mm"
+        elif effect.size is not None:
+            place += f" fading over {1e3 * effect.size:.2g} mm"
+    if effect.side is not None:
+        place = f", at the side {effect.side}"
+    # A support that ends with a flat side reaches no deeper.
+    flat = effect.side is not None and (effect.depth or 0.0) < _FLAT * (effect.size or 0.0)
+    if effect.depth is not None and not flat:
+        place += f", to a depth of {1e3 * effect.depth:.2g} mm"
+    return place
+
+
+def _millimetres(ways: Iterable[Any]) -> str:
+    # No zero with a sign.
+    return ", ".join(f"{round(1e3 * float(one), 1) + 0.0:.1f}" for one in ways)
 
 
 def _inseparable(one: Round) -> str:
@@ -351,7 +364,7 @@ def _none(found: Verdict) -> str:
         return f"{words}.{beside}"
     closest = found.rounds[0]
     return (
-        f"{words}; the closest is {_spoken(closest.effect.card.name)}, "
+        f"{words}; the closest is {_spoken(closest.effect.card.name)}{_place(closest.effect)}, "
         f"which closes {100 * closest.closed:.0f} % of it.{beside}"
     )
 
