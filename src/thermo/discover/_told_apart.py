@@ -300,7 +300,10 @@ def _cells(run: str, large: HeldOut, small: HeldOut) -> str:
 
 def _refuted(run: str, one: HeldOut) -> str:
     """What to say of a run that speaks against what was found."""
-    share = "" if one.gap_closed is None else f", {100 * max(one.gap_closed, 0):.0f} % closed"
+    share = ""
+    if one.gap_closed is not None:
+        closed = f"{100 * max(one.gap_closed, 0):.3g} % closed"
+        share = f", {closed}, less than the {100 * _HELD:g} % that one in the right place closes"
     return (
         f"What explains the fitted runs does not hold on {run}: {one.rms_before:.3g} K become "
         f"{one.rms_after:.3g} K there, at a noise of {one.noise:.3g} K{share}. It is not what is "
