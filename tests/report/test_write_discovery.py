@@ -33,7 +33,7 @@ def test_each_verdict_says_what_it_is(word: str) -> None:
     named = ["hidden_source"] if word in ("named", "inseparable") else []
     assert record["effects"] == named and record["remarks"] == ["A remark."]
     proof = " ".join(record["sentences"])
-    with_it = " with the closest" if word == "none_of_mine" else ""
+    with_it = " with what comes closest" if word == "none_of_mine" else ""
     falls = f"falls from 0.4 to 0.055 K{with_it}, at a noise"
     told = "is 0.4 K, at a noise" if word == "no_gap" else falls
     assert f"On other, which was not fitted, the difference {told}" in proof

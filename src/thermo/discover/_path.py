@@ -71,7 +71,6 @@ _CELLS: Final = (
     "A score of {:.3g} passed the threshold against cells {:g} times as short as a fit's, and none "
     "does against cells {:g} times as short: it came from the cells."
 )
-_SLIGHTLY: Final = "a slight alarm on smaller cells"
 # Worth telling [1].
 _FAR: Final = 1.05
 _SCATTER: Final = (
@@ -217,8 +216,8 @@ def checked(
     Where there can be none, or a search is not on the mesh any more on which it had `begun`, all
     stays as it is. `share`: as for `told_by`.
     """
-    which = "an alarm on smaller cells, as a fit's make much wrong" if rough else _SLIGHTLY
-    pace.step(f"checking {which}")
+    why = ", as a fit's make much wrong" if rough else ""
+    pace.step(f"checking {'an' if rough else 'a slight'} alarm on smaller cells{why}")
     bench = finest(standing.bench)
     if bench is standing.bench or bench.ready is not begun.bench.ready:
         return standing, table

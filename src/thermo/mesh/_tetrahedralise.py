@@ -54,8 +54,8 @@ DENSER: Final = 0.7
 
 NEEDLESS: Final = 0.5
 """Share of needless vertices from which the mesher does not take them off before it begins: within
-flat faces it looks all along ever longer triangles, for longer than it makes the mesh, which comes
-out alike without (`benchmarks/needless_triangles.py`). Elsewhere that saves it time."""
+flat faces it looks all along ever longer triangles, often for longer than it makes the mesh, which
+comes out alike without (`benchmarks/needless_triangles.py`). Elsewhere that saves it time."""
 
 ASKED: Final = 4
 """How often the mesher is asked at the most."""

@@ -274,7 +274,7 @@ def _as_stated(name: str, one: HeldOut) -> str:
 
 def _proof(name: str, one: HeldOut, verdict: str) -> str:
     """What a run that was not fitted says."""
-    closest = " with the closest" if verdict == "none_of_mine" else ""
+    closest = " with what comes closest" if verdict == "none_of_mine" else ""
     goes = "rises" if one.rms_after > one.rms_before else "falls"
     wrong = one.rms_after**2 - one.rms_before**2 > one.noise**2
     more = " What explains the fitted runs does not hold there." if wrong else ""
