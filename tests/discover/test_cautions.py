@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from lit_box import LAMP, run
+from lit_box import LAMP, MESH, run
 from verdicts import candidacies, held, one_round
 
-from thermo.discover._cautions import cautions
+from thermo.discover._cautions import cautions, samples_off
 from thermo.discover._verdict import Round
 from thermo.discover.candidates import SupportContact
 
@@ -69,3 +69,14 @@ def test_what_could_have_been_missed_is_told_for_noise_alone() -> None:
     assert cautions([], RUNS, {}, 0.02) == []
     (told,) = cautions([], RUNS, {}, 0.001)
     assert "for noise alone" in told
+
+
+def test_samples_that_lie_off_the_surface_are_counted() -> None:
+    size = float(np.linalg.norm(np.ptp(MESH.nodes, axis=0)))
+    top = MESH.nodes.max(0)
+    points = np.tile(MESH.nodes.mean(0), (5, 1))
+    points[:, 2] = top[2] + size * np.array([0.0, 0.01, 0.019, 0.021, 0.05])
+    (told,) = samples_off([run("lamp", points=points)], MESH)
+    assert told.startswith("2 of 5 samples of lamp lie more than")
+    assert f"the farthest {1e3 * 0.05 * size:.2g} mm" in told
+    assert samples_off([run("lamp", points=points[:3])], MESH) == []

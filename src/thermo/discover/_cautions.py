@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from thermo.discover._verdict import HeldOut, Round
+from thermo.mesh import Mesh, locate
 from thermo.observe import Run
 
 _FACING: Final = 0.1
@@ -15,6 +16,9 @@ _FACING: Final = 0.1
 
 _LEFT: Final = 2.0
 """Times its noise [1] from which what is left of a run that was not fitted is worth words."""
+
+_OFF: Final = 0.02
+"""Of the body's size, from which a sample's distance from its surface is worth words [1]."""
 
 _CHANCE: Final = 0.01
 """Of noise leaving as much in smooth shapes, below which more than noise is left [1]."""
@@ -44,6 +48,23 @@ def cautions(
     tests = [_hardly_tested(name, one) for name, one in proof.items()]
     left = [_LEFT_OVER] if chance < _CHANCE else []
     return [*filter(None, (*alike, *sides, *signs, *tests)), *left]
+
+
+def samples_off(runs: Sequence[Run], mesh: Mesh) -> list[str]:
+    """Sentences about runs whose samples lie off the surface of a mesh [m], though not too far."""
+    size = float(np.linalg.norm(np.ptp(mesh.nodes, axis=0)))
+    found = []
+    for run in runs:
+        distance = locate(mesh, run.recording.points).distance
+        far = distance > _OFF * size
+        if far.any():
+            found.append(
+                f"{far.sum()} of {len(far)} samples of {run.name} lie more than "
+                f"{1e3 * _OFF * size:.2g} mm off the surface, the farthest "
+                f"{1e3 * distance.max():.2g} mm: if points and surface do not share one frame, the "
+                "others have slid along it, and what is left may come from that."
+            )
+    return found
 
 
 def _alike(one: Round) -> str:

@@ -23,7 +23,7 @@ from thermo.discover._bench import (
     usual_errors,
 )
 from thermo.discover._candidate import Candidate
-from thermo.discover._cautions import cautions
+from thermo.discover._cautions import cautions, samples_off
 from thermo.discover._descent import Ended
 from thermo.discover._learnt_noise import taken_as_exact, with_learnt_noise
 from thermo.discover._library import Setting, library, setting_of
@@ -120,7 +120,9 @@ def discover(
     path, proof = told_apart(path, pace)
     if path.word != "no_gap":
         learnt = learnt + taken_as_exact(begun.bench.task.runs)
-    told = learnt + left_out(every, setting) + blind_to(path.table)
+    bench = begun.bench
+    off = samples_off(bench.task.runs, bench.ready.mesh)
+    told = learnt + off + left_out(every, setting) + blind_to(path.table)
     path = replace(path, remarks=path.remarks + cells + told)
     return _answer(path, proof, left, time.monotonic() - started)
 
