@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from standings import VALUES, standing
@@ -12,8 +13,12 @@ from verdicts import SOURCE, one_round
 from thermo.discover import _rounds
 from thermo.discover._entries import Entry
 from thermo.discover._refits import Refit
-from thermo.discover._rounds import evidence, make_round, with_joint_effects
+from thermo.discover._rounds import effect_of, evidence, make_round, with_joint_effects
 from thermo.discover._scores import Score, ScoreTable
+from thermo.discover._standing import free_of
+from thermo.discover.candidates import AnisotropicConductivity, SensorLag
+
+from .lit_objective import objective, standing_at
 
 
 @pytest.mark.parametrize(("parts", "chance"), [(1, 0.0455), (10, 0.455), (100, 1.0)])
@@ -85,3 +90,16 @@ def test_evidence_pays_the_logarithm_of_the_readings_for_each_that_is_free() -> 
     found = evidence(before, {"few": standing(90.0, 3).ended, "many": standing(90.0, 6).ended})
     assert found["few"] == pytest.approx(-10.0 + np.log(VALUES))
     assert found["many"] - found["few"] == pytest.approx(3 * np.log(VALUES))
+
+
+def test_an_effect_along_an_axis_says_which() -> None:
+    made = standing_at(objective(), AnisotropicConductivity(jnp.asarray([0.0, 0.0, 0.4])))
+    made = replace(made, active=(("anisotropic_conductivity", 2),))
+    slopes = np.eye(len(made.ended.residual), len(free_of(made).number))
+    made = replace(made, ended=replace(made.ended, slopes=slopes))
+    effect = effect_of(made, made.active[0], 1.0)
+    assert (effect.part, effect.strength) == ("along z", pytest.approx(0.4))
+    # Parts without a name of their own have none.
+    lag = standing_at(objective(), SensorLag(jnp.ones(1)))
+    lag = replace(lag, ended=replace(lag.ended, slopes=slopes))
+    assert effect_of(lag, lag.active[0], 1.0).part is None

@@ -48,7 +48,7 @@ def found(together: list[str], *, closed: float, place: bool = True) -> dict[str
         "named": together if len(together) == 1 else [], "set": together, "best": together[0],
         "strength": 1.2345, "sd": 0.05, "interval95": [1.1365, 1.3325], "unit": "W",
         "location": {"centre": [0.0123, -0.0045, 0.0], "size": 0.0032} if place else None,
-        "side": None, "depth": None, "conductance": 0.01234 if place else None,
+        "part": None, "side": None, "depth": None, "conductance": 0.01234 if place else None,
         "conductance_interval95": [0.0111, 0.0135] if place else None,
         "p_value": 0.0, "gap_closed": closed, "rms_before": {"lamp": 0.7531, "dark": 0.2},
         "rms_after": {"lamp": 0.0521, "dark": 0.05}, "threshold": 4.21,
@@ -60,8 +60,8 @@ def found(together: list[str], *, closed: float, place: bool = True) -> dict[str
 def lag() -> dict[str, Any]:
     """What else would explain as much."""
     return {
-        "strength": 0.8, "interval95": [0.604, 0.996], "unit": "s", "location": None, "side": None,
-        "depth": None, "conductance": None, "conductance_interval95": None,
+        "strength": 0.8, "interval95": [0.604, 0.996], "unit": "s", "location": None, "part": None,
+        "side": None, "depth": None, "conductance": None, "conductance_interval95": None,
         "rms": {"lamp": 0.0524, "dark": 0.05},
         "parameters": {"conductivity": {"value": 0.3, "interval95": [0.29, 0.31]}},
         "held_out": {"other & all": 0.0654},
@@ -222,7 +222,12 @@ def test_a_second_round_has_a_row_and_a_sentence_in_large_words() -> None:
 def test_a_side_and_a_depth_stand_for_a_place() -> None:
     contact = found(["support_contact"], closed=0.9) | {"side": "+x", "depth": 1.5e-3}
     light = found(["in_depth_absorption"], closed=0.9, place=False) | {"depth": 2e-4}
-    for one, words in ((contact, "side +x, 1.5 deep; 0.0123 W/K"), (light, "no place, 0.2 deep")):
+    grain = found(["anisotropic_conductivity"], closed=0.9, place=False) | {"part": "along z"}
+    for one, words in (
+        (contact, "side +x, 1.5 deep; 0.0123 W/K"),
+        (light, "no place, 0.2 deep"),
+        (grain, "along z"),
+    ):
         cells = _Checker(discovery_page(record("named", rounds=[one]), "A block")).cells
         assert cells[4].startswith(words)
 

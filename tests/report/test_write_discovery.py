@@ -12,7 +12,13 @@ import pytest
 from verdicts import held, verdict
 
 from thermo.discover import Inclusion
-from thermo.discover.candidates import AmbientDrift, LatentHeat, LocalConvection, SupportContact
+from thermo.discover.candidates import (
+    AmbientDrift,
+    AnisotropicConductivity,
+    LatentHeat,
+    LocalConvection,
+    SupportContact,
+)
 from thermo.report import discovery_record, discovery_table, write_discovery
 
 WORDS = {
@@ -207,6 +213,15 @@ def test_a_support_is_told_with_its_side_and_depth() -> None:
         made = discovery_record(replace(verdict("named"), rounds=[replace(one, effect=foot)]))
         assert (made["rounds"][0]["side"], made["rounds"][0]["depth"]) == ("-z", depth)
         assert told + more in made["sentences"][0]
+
+
+def test_an_effect_along_an_axis_is_told_with_that() -> None:
+    made = verdict("named")
+    (one,) = made.rounds
+    grain = replace(one.effect, card=AnisotropicConductivity.card, centre=None, part="along z")
+    told = discovery_record(replace(made, rounds=[replace(one, effect=grain)]))
+    assert told["rounds"][0]["part"] == "along z"
+    assert told["sentences"][0].startswith("Missing effect: anisotropic conductivity along z, 1.25")
 
 
 def test_where_nothing_explains_the_gap_residuals_are_those_of_the_stated_model() -> None:

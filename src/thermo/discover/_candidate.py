@@ -48,6 +48,7 @@ class Card:
     - `means`: in words, what the strength is; none where name and unit say so.
     - `edged`: whether its places may be of the form of an `Inclusion` as well as bells.
     - `total`: whether a strength is that of all its place together, not that of each point of it.
+    - `parts`: in words, what each strength by itself is, as "along x"; none where these are places.
     """
 
     name: str
@@ -66,6 +67,7 @@ class Card:
     means: str = ""
     edged: bool = False
     total: bool = False
+    parts: tuple[str, ...] = ()
 
 
 @final

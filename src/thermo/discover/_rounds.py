@@ -183,7 +183,8 @@ def effect_of(
     return Effect(
         entry.card, value, sd, between or _within(value, sd, low, high), centre, size, at,
         None if whole is None else whole[0], taken, joint, _side(entry), _depth(candidate, entry),
-        _outline(candidate, entry), chance=chance,
+        _outline(candidate, entry), dict(enumerate(entry.card.parts)).get(entry.part),
+        chance=chance,
     )  # fmt: skip
 
 

@@ -32,6 +32,7 @@ class Effect:
     - `side`: as "+x", of what is at a side of the body; `depth`: from its end, or from the skin, to
       which an effect without a centre reaches [m].
     - `outline`: one place [m], where the effect ends at an edge; else None.
+    - `part`: which of its kind it is, in words, as "along z"; None where the kind has one alone.
     """
 
     card: Card
@@ -47,6 +48,7 @@ class Effect:
     side: str | None = None
     depth: float | None = None
     outline: Inclusion | None = None
+    part: str | None = None
     chance: float = field(kw_only=True)
 
 

@@ -135,7 +135,7 @@ def _place(one: Record) -> str:
     if one["side"] is not None:
         return f"side {one['side']}{deep}"
     if found is None:
-        return f"no place{deep}"
+        return f"{one['part'] or 'no place'}{deep}"
     centre = ", ".join(f"{1e3 * one:.1f}" for one in found["centre"])
     return f"({centre}), size {1e3 * found['size']:.1f}"
 
@@ -202,7 +202,8 @@ def _over_time(record: Record) -> str:
             rows.append([name, f"the {known}", *told])
     words = (
         "The mean over all samples, frame by frame, against what is known of the run, at the lag "
-        "where it follows that most; the chance is that noise does so at any lag."
+        "where it follows that most, no time constant of an effect; the chance is that noise does "
+        "so at any lag."
     )
     return _table(header, rows, ["trace"] * len(rows)) + _note(words)
 

@@ -204,6 +204,7 @@ def _effect(effect: Effect) -> dict[str, Any]:
         "transition": None
         if effect.transition is None
         else dict(zip(("temperature", "width"), effect.transition, strict=True)),
+        "part": effect.part,
         "side": effect.side,
         "depth": effect.depth,
         "conductance": effect.conductance,
@@ -298,8 +299,11 @@ def _told(effect: Effect) -> str:
     if effect.conductance is not None and effect.conductance95 is not None:
         ends = "[{:.3g}, {:.3g}]".format(*effect.conductance95)
         whole = f", {effect.conductance:.3g} W/K {ends} in all"
+    part = "" if effect.part is None else f" {effect.part}"
+    if effect.strengths:
+        whole += f", in turn {', '.join(f'{one:.3g}' for one in effect.strengths)}"
     return (
-        f"{_spoken(effect.card.name)}, {effect.strength:.4g}{_unit(effect.card.unit)} "
+        f"{_spoken(effect.card.name)}{part}, {effect.strength:.4g}{_unit(effect.card.unit)} "
         f"[{low:.4g}, {high:.4g}]{_place(effect)}{whole}"
     )
 

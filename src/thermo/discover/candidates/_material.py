@@ -116,6 +116,7 @@ class AnisotropicConductivity(AbstractHeatCandidate):
         hides_behind="conductivity that changes with temperature, cells that are too large",
         split_by="another face heated",
         means="share by which it conducts better along one axis",
+        parts=("along x", "along y", "along z"),
     )  # fmt: skip
     strength: Float[Array, " parts"]
     place: Place | None = None
