@@ -51,13 +51,16 @@ def searched(
     clear: int = 0,
     asked: list[ScoreTable] | None = None,
     smaller: list[str] | None = None,
+    cut: bool = False,
+    thin: bool = False,
 ) -> SearchPath:
     """A search whose standings leave so much, with so many alarms by scores.
 
     Where the first one is `slight`, or one that comes `late`, it is checked on the next of the
     standings. Rivals are `told` to take places; what is `doubted` is told as well. Beside places
     that leave no misfit, whose tables are `asked`, the first `clear` ones tell of an effect. Where
-    cells are made `smaller` is told.
+    cells are made `smaller` is told; they are where they are `cut`; a
+    place may be `thin` beside them.
     """
     doubts = [] if doubted is None else doubted
     tables = [] if asked is None else asked
@@ -71,7 +74,7 @@ def searched(
     def edged(
         now: Standing, rounds: list[Round], before: Standing, most: float, _: Pace
     ) -> tuple[Standing, list[Round]]:
-        """Asked of each effect that is no guess, before cells are made smaller."""
+        """Asked of each effect that is no guess."""
         assert before is not now and most == table.threshold**2
         cells.append("edge")
         return now, rounds
@@ -91,7 +94,12 @@ def searched(
         "_out_of_reach": lambda *_: False,
         "placed": lambda made: place and made is not standings[0],
         "with_an_edge": edged,
-        "on_small_cells": lambda made, rounds, *_: (cells.append("smaller") or made, rounds),
+        "thinnest": lambda _: 0.9 if thin else 1.1,
+        "edge_of": lambda _: 1.0,
+        "on_small_cells": lambda made, rounds, *_: (
+            cells.append("smaller") or (copy(made) if cut else made),
+            rounds,
+        ),
         "with_doubt": lambda made, _: doubts.append(made) or copy(made),
         "rivals_of": lambda *_: {("one", 0): []},
         "replaced": lambda made, rounds, rivals, most, _: (
@@ -219,6 +227,13 @@ def test_two_that_do_not_close_nine_tenths_are_an_end(monkeypatch: pytest.Monkey
     path = searched(monkeypatch, left, rounds, alarms=3, smaller=smaller)
     assert path.word == "named" and len(path.rounds) == 3
     assert smaller == ["edge", "smaller"] * 3
+    # What no place told on large cells is asked once more where these were made smaller.
+    smaller.clear()
+    searched(monkeypatch, [5000.0, 1.0], [found(0.1, 0.5, 0.9)], 1, smaller=smaller, cut=True)
+    assert smaller == ["edge", "smaller", "edge"]
+    smaller.clear()
+    searched(monkeypatch, [5000.0, 1.0], [found(0.1, 0.5, 0.9)], 1, smaller=smaller, thin=True)
+    assert smaller == ["smaller", "edge"]
 
 
 def test_a_fault_of_the_record_is_told_of_and_not_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -48,12 +48,25 @@ def test_a_patch_that_goes_around_an_edge_of_the_body_is_not_held() -> None:
     np.testing.assert_allclose(on_skin(place, 0, fine), [0.0195, 0.006, 0.0075])
 
 
-def test_one_that_hangs_over_it_a_little_is() -> None:
+@pytest.mark.parametrize(("deep", "held"), [(0.0007, False), (0.0002, True)])
+def test_one_that_hangs_over_it_is_if_that_is_next_to_nothing(deep: float, held: bool) -> None:
+    # A tenth of it around the edge tells how deep it reaches.
     fine = box_mesh((0.02, 0.012, 0.008), (20, 12, 8))
-    place = patch((0.0175, 0.006, 0.0078), (0.003, 0.002, 0.0007))
-    share = np.asarray(place.only(0).shapes(jnp.asarray([[0.02, 0.006, 0.0078]])))
+    place = patch((0.0175, 0.006, 0.0079), (0.003, 0.002, deep))
+    share = np.asarray(place.only(0).shapes(jnp.asarray([[0.02, 0.006, 0.0079]])))
     assert share[0, 0] > 0.5
-    np.testing.assert_array_equal(flat_across(place, 0, fine), [False, False, True])
+    np.testing.assert_array_equal(flat_across(place, 0, fine), [False, False, held])
+
+
+def test_a_strip_around_an_edge_between_the_middles_of_faces_counts() -> None:
+    # Their middles are 2 mm and more from that edge.
+    coarse = box_mesh((0.02, 0.012, 0.012), (4, 2, 2))
+    place = patch((0.0195, 0.006, 0.012), (0.003, 0.003, 0.0015))
+    ends = face_centres(coarse)[coarse.normals[:, 0] > 0.9]
+    assert float(place.only(0).shapes(jnp.asarray(ends)).max()) < 0.1
+    assert not flat_across(place, 0, coarse).any()
+    short = replace(place, centre=place.centre.at[0, 0].set(0.016))
+    np.testing.assert_array_equal(flat_across(short, 0, coarse), [False, False, True])
 
 
 @pytest.mark.parametrize(("wide", "held"), [(0.008, False), (0.0006, True)])

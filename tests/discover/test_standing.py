@@ -11,8 +11,9 @@ import pytest
 from lit_box import MESH, STATED, one
 from standings import standing
 
-from thermo.discover import _standing
+from thermo.discover import Place, _standing
 from thermo.discover._bench import Apart, Bench
+from thermo.discover._candidate import with_edge
 from thermo.discover._descent import Free
 from thermo.discover._slope_limits import slope_limits
 from thermo.discover._standing import (
@@ -24,8 +25,10 @@ from thermo.discover._standing import (
     not_moved,
     refined,
     share_closed,
+    with_few_places,
 )
 from thermo.discover.candidates import (
+    LocalConvection,
     MissingRadiation,
     TemperatureDependentConductivity,
     TemperatureDependentHeatCapacity,
@@ -138,3 +141,19 @@ def test_a_law_is_free_as_far_as_it_stays_above_zero() -> None:
     tops = np.minimum([capacity[1], conductivity[1]], 0.05)
     np.testing.assert_array_equal(free.high[-3:-1], tops)
     assert free.low[-1] == MissingRadiation.card.low
+
+
+def test_a_patch_is_held_where_it_was_told_to_be() -> None:
+    centres = jnp.asarray(MESH.nodes.mean(0)) + jnp.asarray([[0.0, 0.0, 0.0], [0.002, 0.0, 0.0]])
+    even = with_edge(LocalConvection(jnp.asarray([0.0, 40.0]), Place(centres, jnp.full(2, 0.003))))
+    made = standing_at(objective(), even)
+    made = replace(made, active=(("local_convection", 1),))
+    fields = len(free_of(replace(made, active=())).number)
+    # Strength, middle, half-widths, squareness and sharpness.
+    assert len(free_of(made).number) == fields + 9
+    held = replace(made, held={("local_convection", 1): np.array([False, False, True])})
+    assert len(free_of(held).number) == fields + 7
+    # The one part that a fit looks at has another number there.
+    few, kept = with_few_places(held)
+    assert kept["local_convection"].tolist() == [1] and few.active == (("local_convection", 0),)
+    assert len(free_of(few).number) == fields + 7

@@ -30,6 +30,7 @@ def standing(
     for name, value in [
         ("ended", Ended(NOTHING, residual, np.zeros((VALUES, free)))), ("allowed", allowed),
         ("active", active), ("point", NOTHING), ("bench", object.__new__(Bench)), ("first", {}),
+        ("held", {}),
     ]:  # fmt: skip
         object.__setattr__(made, name, value)
     return made

@@ -8,7 +8,7 @@ from typing import Final, final
 
 import numpy as np
 
-from thermo.discover._bench import FINEST, finest
+from thermo.discover._bench import FINEST, edge_of, finest
 from thermo.discover._calibration import Calibration, calibration
 from thermo.discover._candidate import Candidate
 from thermo.discover._edged import with_an_edge
@@ -33,7 +33,7 @@ from thermo.discover._rounds import (
 )
 from thermo.discover._scores import ScoreTable, best_of_kinds, credible
 from thermo.discover._scoring import scored
-from thermo.discover._small_cells import on_small_cells, placed
+from thermo.discover._small_cells import on_small_cells, placed, thinnest
 from thermo.discover._standing import (
     BY_SHAPES,
     WORTH,
@@ -153,8 +153,8 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace, *, rough: b
             break
         if not tentative(rounds[-1]):
             # Before, most of the gap is still there, and what is left is not a shape's or cells'.
-            formed = with_an_edge(standing, rounds, before, table.threshold**2, pace)
-            standing, rounds = on_small_cells(*formed, begun, before, pace, remarks)
+            most = table.threshold**2
+            standing, rounds = _formed(standing, rounds, begun, before, most, pace, remarks)
         pace.step("allowing for what the shapes of places may make wrong")
         settled = standing
         standing = doubted = with_doubt(standing, begun.allowed)
@@ -171,6 +171,25 @@ def search(begun: Standing, laws: tuple[Candidate, ...], pace: Pace, *, rough: b
     remarks += twice([name for name, _ in last.active]) + made_up(together)
     alarms = calibrated(begun, tables[0])
     return SearchPath(word, together, begun, last, tables[0], remarks, alarms, others)
+
+
+def _formed(
+    standing: Standing,
+    rounds: list[Round],
+    begun: Standing,
+    before: Standing,
+    most: float,
+    pace: Pace,
+    remarks: list[str],
+) -> tuple[Standing, list[Round]]:
+    """The last effect over a place of the form, and on cells, that it asks for; `most`: squares."""
+    # The form of a place that is thinner than a cell shows on smaller ones alone.
+    shows, told = thinnest(standing) >= edge_of(standing.bench), (standing, rounds)
+    if shows:
+        told = with_an_edge(standing, rounds, before, most, pace)
+    smaller = on_small_cells(*told, begun, before, pace, remarks)
+    same = shows and smaller[0] is told[0]
+    return smaller if same else with_an_edge(*smaller, before, most, pace)
 
 
 def _ended(
@@ -190,7 +209,7 @@ def _told(one: Round, pace: Pace) -> Round:
     left = ", ".join(f"{run} {before[run]:.3g} to {after[run]:.3g} K" for run in before)
     best = one.effect
     unit = "" if best.card.unit == "1" else f" {best.card.unit}"
-    at = "" if best.side is None else f" at {best.side}"
+    at = f" {best.part}" if best.part else "" if best.side is None else f" at {best.side}"
     if best.side is None and best.centre is not None:
         at = f" at ({', '.join(f'{1e3 * way:.1f}' for way in best.centre)}) mm"
     others = "".join(f" or {name}" for name in one.together if name != best.card.name)

@@ -15,7 +15,9 @@ from thermo.observe import Run
 
 # How far an axis goes across a flat skin at the least, and how much of a patch is on that [1].
 _ACROSS: Final = 0.98
-_MOST: Final = 0.8
+_MOST: Final = 0.95
+# Along each side of a face how many points of it are looked at: a strip may lie between centres.
+_POINTS: Final = 6
 # Of the light where a lamp is brightest, what counts as lit [1].
 _LIT: Final = 0.05
 
@@ -31,10 +33,22 @@ def flat_across(place: Inclusion, part: int, mesh: Mesh) -> Bool[np.ndarray, "3"
     Along it neither the patch's middle nor its size means anything, as what lies deeper and is
     stronger is the same to the skin.
     """
-    share = np.asarray(place.only(part).shapes(jnp.asarray(face_centres(mesh)))[0])
-    covered = share * face_areas(mesh)
+    share = np.asarray(place.only(part).shapes(jnp.asarray(_over_faces(mesh)))[0])
+    covered = share.mean(axis=0) * face_areas(mesh)
     there = covered @ (np.abs(mesh.normals) > _ACROSS)
     return (there >= _MOST * covered.sum()) & (there > 0)
+
+
+def _over_faces(mesh: Mesh) -> Float[np.ndarray, "points faces 3"]:
+    """Points [m] spread evenly over each face, the middles of triangles that it is cut into."""
+    cut = np.arange(_POINTS)
+    one, other = (way.ravel() for way in np.meshgrid(cut, cut, indexing="ij"))
+    # Those that stand as the face does, and those between them, upside down.
+    parts = [(one + 1 / 3, other + 1 / 3), (one + 2 / 3, other + 2 / 3)]
+    along, up = np.concatenate(parts, axis=1) / _POINTS
+    inside = along + up < 1
+    weights = np.stack([1 - along - up, along, up], axis=1)[inside]
+    return np.einsum("pk,fkx->pfx", weights, mesh.nodes[mesh.faces[:, :3]])
 
 
 def on_skin(place: Inclusion, part: int, mesh: Mesh) -> Float[np.ndarray, "3"]:

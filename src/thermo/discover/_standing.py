@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Final, final
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from scipy.stats import chi2
 
 from thermo._compiled import make_room
 from thermo.discover._allowance import Allowance
 from thermo.discover._bench import FINEST_LEFT, Bench, corrected, finer_runs, steps_for
-from thermo.discover._candidate import Candidate, Inclusion
+from thermo.discover._candidate import Candidate
 from thermo.discover._descent import Ended, Free, begun, descend
 from thermo.discover._entries import Active, entry_of, field_entries, free_entries, joined
 from thermo.discover._extended import Extended, moved
 from thermo.discover._projection import projection
-from thermo.discover._skin import flat_across
 from thermo.discover._slope_limits import slope_limits
 from thermo.discover._softening import error_columns, omnibus
 from thermo.discover.candidates import (
@@ -47,6 +46,7 @@ class Standing:
 
     - `first`: every candidate by name, its places where it is looked for at first.
     - `allowed`: what cells, steps, stamps and the stated model may be wrong by.
+    - `held`: axes along which a patch with an edge neither moves nor grows, by its part, where any.
     """
 
     bench: Bench
@@ -55,6 +55,7 @@ class Standing:
     active: tuple[Active, ...]
     ended: Ended
     allowed: Allowance
+    held: Mapping[Active, Bool[np.ndarray, "3"]] = field(default_factory=dict)
 
     def gap(self) -> tuple[float, int]:
         """Sum of squares in the smooth shapes, and how many there are [1]."""
@@ -82,14 +83,9 @@ def free_of(standing: Standing) -> Free:
 
 
 def _of_part(standing: Standing, active: Active) -> Free:
-    """The entries of a part at work, free [1].
-
-    A law stays above zero at all that was read, and a patch with an edge where it is across a skin.
-    """
+    """The entries of a part at work, free [1]; a law stays above zero at all that was read."""
     entry, before = entry_of(standing.point, active), standing.first[active[0]]
-    place, held = standing.point.candidates[entry.kind].place, np.zeros(3, bool)
-    if isinstance(place, Inclusion) and entry.card.edged and not entry.card.total:
-        held = flat_across(place, entry.part, standing.bench.ready.mesh)
+    held = standing.held.get(active, np.zeros(3, bool))
     free = free_entries(standing.point, entry, before, box_of(standing), held)
     if not isinstance(before, TemperatureDependentConductivity | TemperatureDependentHeatCapacity):
         return free
@@ -137,15 +133,16 @@ def with_few_places(standing: Standing) -> tuple[Standing, dict[str, Parts]]:
     first = {
         name: take(one, kept[name]) if name in kept else one for name, one in standing.first.items()
     }
-    active = tuple(
-        (
+    renamed = {
+        (name, part): (
             name,
             int(np.searchsorted(kept[name], part)) if has_places(standing.first[name]) else part,
         )
         for name, part in standing.active
-    )
-    point = replace(standing.point, candidates=candidates)
-    return replace(standing, point=point, first=first, active=active), kept
+    }
+    held = {renamed[one]: axes for one, axes in standing.held.items() if one in renamed}
+    point, active = replace(standing.point, candidates=candidates), tuple(renamed.values())
+    return replace(standing, point=point, first=first, active=active, held=held), kept
 
 
 def at_work(standing: Standing) -> tuple[Candidate, ...]:
