@@ -16,9 +16,6 @@ from thermo.observe import Box, Heater, Run, Scene
 # An axis that passes farther away, in diagonals of the object [1], was not meant.
 _PASSES: Final = 10.0
 
-# A spot of so many diagonals of the object [1] lights it evenly, to one part in several thousand.
-_WIDEST: Final = 30.0
-
 # Of its radii [1], beside which a spot has no light to speak of: 4e-6 of that in its middle. All of
 # the lamp's power would go where the object comes nearest.
 _BESIDE: Final = 5.0
@@ -87,7 +84,7 @@ def misses(what: str, where: str, box: Box, points: Float[np.ndarray, "points 3"
 
 
 def _check_lamp(heater: Heater, surface: Surface, where: str) -> None:
-    """Refuse a lamp whose axis passes far away, as wide as no lamp, or that shines away from it.
+    """Refuse a lamp whose axis passes far away, or that shines away from the object.
 
     A wide one would light it all the same, and one that is turned round its far side.
     """
@@ -102,14 +99,6 @@ def _check_lamp(heater: Heater, surface: Surface, where: str) -> None:
             limit=f"{_PASSES:g} times the object's diagonal, {_PASSES * size:.3g} m",
             remedy="give centre and radius in metres, and the surface's `unit` as its file has it; "
             "for even light, let a wide spot's axis pass through the object",
-        )
-    if heater.radius > _WIDEST * size:
-        raise InputError(
-            "the lamp's spot is far wider than the object",
-            where=f"{where}.radius",
-            value=f"{heater.radius:.3g} m, beside an object of {size:.3g} m",
-            limit=f"{_WIDEST:g} times the object's diagonal, {_WIDEST * size:.3g} m",
-            remedy="give the radius in metres; for even light give one within the limit",
         )
     beside = _beside(heater, surface)
     if beside > _BESIDE * heater.radius:
