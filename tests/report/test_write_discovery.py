@@ -224,6 +224,14 @@ def test_an_effect_along_an_axis_is_told_with_that() -> None:
     assert told["sentences"][0].startswith("Missing effect: anisotropic conductivity along z, 1.25")
 
 
+def test_a_drift_is_told_with_its_rises_in_turn() -> None:
+    made = verdict("named")
+    (one,) = made.rounds
+    drift = replace(one.effect, card=AmbientDrift.card, centre=None, strengths=(0.5, 0.25, 1.25))
+    told = discovery_record(replace(made, rounds=[replace(one, effect=drift)]))
+    assert "1.25 K [1.211, 1.289], in turn 0.5, 0.25, 1.25." in told["sentences"][0]
+
+
 def test_where_nothing_explains_the_gap_residuals_are_those_of_the_stated_model() -> None:
     found = discovery_record(verdict("named"))["residuals"]["lamp"]
     samples = len(found["points"])
