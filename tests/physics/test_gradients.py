@@ -122,23 +122,30 @@ def temperatures(
     ).temperature
 
 
-def loss(given: Inputs, integrator: AbstractIntegrator, adjoint: AbstractAdjoint) -> jax.Array:
-    found = temperatures(given, integrator, adjoint)
+def weighed(found: jax.Array) -> jax.Array:
     weight = 1 + jnp.sin(jnp.arange(found.size)).reshape(found.shape)
     return jnp.sum(weight * (found - 295) ** 2) / found.size
 
 
+def loss(given: Inputs, integrator: AbstractIntegrator, adjoint: AbstractAdjoint) -> jax.Array:
+    return weighed(temperatures(given, integrator, adjoint))
+
+
 @cache
-def compiled(scheme: str) -> tuple[Callable, Callable, Callable]:
-    """The loss, its gradient, and its derivative along a direction."""
+def compiled(scheme: str) -> tuple[Callable, Callable]:
+    """The loss with its gradient, and the frames with their derivative along a direction."""
+    integrator = INTEGRATORS[scheme]
 
     def value(given: Inputs) -> jax.Array:
-        return loss(given, INTEGRATORS[scheme], StoreSteps())
+        return loss(given, integrator, StoreSteps())
 
     def along(given: Inputs, direction: Inputs) -> tuple[jax.Array, jax.Array]:
-        return jax.jvp(value, (given,), (direction,))
+        def frames(given: Inputs) -> jax.Array:
+            return temperatures(given, integrator, StoreSteps())
 
-    return jit(value), jit(jax.grad(value)), jit(along)
+        return jax.jvp(frames, (given,), (direction,))
+
+    return jit(jax.value_and_grad(value)), jit(along)
 
 
 def direction_of(name: str, given: Inputs) -> Inputs:
@@ -165,49 +172,37 @@ def order_of_remainder(value: Callable, given: Inputs, direction: Inputs, slope:
 @pytest.mark.parametrize("scheme", list(INTEGRATORS))
 @pytest.mark.parametrize("name", NAMES)
 def test_taylor_remainder(name: str, scheme: str) -> None:
-    value, gradient, along = compiled(scheme)
+    value_and_gradient, along = compiled(scheme)
     given = inputs(ORDERS[type(INTEGRATORS[scheme])])
     assert sorted(given) == sorted(NAMES)
     direction = direction_of(name, given)
-    _, forward = along(given, direction)
-    back = gradient(given)
+    forward = jax.jvp(weighed, *((each,) for each in along(given, direction)))[1]
+    _, back = value_and_gradient(given)
     reverse = sum(jnp.vdot(back[key], direction[key]) for key in direction)
     assert abs(float(forward)) > 1e-3
     np.testing.assert_allclose(forward, reverse, rtol=1e-10)
+
+    def value(given: Inputs) -> jax.Array:
+        return value_and_gradient(given)[0]
+
     assert order_of_remainder(value, given, direction, float(reverse)) > 1.9
 
 
 def test_both_adjoints_give_the_same_gradient() -> None:
-    _, kept, _ = compiled("sdirk2")
+    kept, _ = compiled("sdirk2")
     again = jit(jax.grad(lambda given: loss(given, INTEGRATORS["sdirk2"], RecomputeSegments(3))))
-    one, other = kept(inputs(1)), again(inputs(1))
+    one, other = kept(inputs(1))[1], again(inputs(1))
     for name in one:
         tolerance = 1e-12 * float(jnp.abs(one[name]).max())
         np.testing.assert_allclose(one[name], other[name], rtol=0, atol=tolerance, err_msg=name)
 
 
-def test_batch_of_tangents_equals_single_ones() -> None:
-    names = ("ambient", "surroundings", "power")
-
-    def frames(part: jax.Array) -> jax.Array:
-        given = inputs(1) | {name: part[i] for i, name in enumerate(names)}
-        return temperatures(given, Sdirk2(), StoreSteps())
-
-    start = jnp.stack([inputs(1)[name] for name in names])
-    together = jit(jax.jacfwd(frames))(start)
-    single = jit(lambda tangent: jax.jvp(frames, (start,), (tangent,))[1])
-    for column in range(len(names)):
-        alone = single(jnp.eye(len(names))[column])
-        assert float(jnp.abs(alone).max()) > 1e-3
-        tolerance = 1e-11 * float(jnp.abs(alone).max())
-        np.testing.assert_allclose(together[..., column], alone, rtol=0, atol=tolerance)
-
-
 @pytest.mark.parametrize("scheme", list(INTEGRATORS))
-def test_tangents_side_by_side_equal_those_of_a_plain_batch(scheme: str) -> None:
-    names = ("ambient", "power", "source", "capacity")
+def test_tangents_in_a_batch_and_side_by_side_equal_single_ones(scheme: str) -> None:
+    names = ("ambient", "surroundings", "power", "source", "capacity")
     integrator = INTEGRATORS[scheme]
     given = inputs(ORDERS[type(integrator)])
+    _, along = compiled(scheme)
 
     def frames(factor: jax.Array, adjoint: AbstractAdjoint) -> jax.Array:
         changed = {name: given[name] * factor[i] for i, name in enumerate(names)}
@@ -218,16 +213,18 @@ def test_tangents_side_by_side_equal_those_of_a_plain_batch(scheme: str) -> None
         jit(jax.jacfwd(lambda f, a=adjoint: frames(f, a)))(ones)
         for adjoint in (StoreSteps(), ForwardOnly())
     )
-    for column in range(len(names)):
-        scale = float(jnp.abs(plain[..., column]).max())
+    still = jax.tree.map(jnp.zeros_like, given)
+    for column, name in enumerate(names):
+        _, alone = along(given, still | {name: given[name]})
+        scale = float(jnp.abs(alone).max())
         assert scale > 1e-3
-        np.testing.assert_allclose(
-            wide[..., column], plain[..., column], rtol=0, atol=1e-10 * scale
-        )
+        for many in (plain, wide):
+            np.testing.assert_allclose(many[..., column], alone, rtol=0, atol=1e-11 * scale)
 
 
 def test_a_batch_of_runs_may_be_forward_only() -> None:
     given = inputs(1)
+    _, along = compiled("sdirk2")
 
     def pushed(power: jax.Array) -> tuple[jax.Array, jax.Array]:
         def run(value: jax.Array) -> jax.Array:
@@ -237,8 +234,9 @@ def test_a_batch_of_runs_may_be_forward_only() -> None:
 
     powers = jnp.array([1.0, 4.0])
     together = jit(jax.vmap(pushed))(powers)
+    way = jax.tree.map(jnp.zeros_like, given) | {"power": jnp.ones(())}
     for number, power in enumerate(powers):
-        for many, one in zip(together, pushed(power), strict=True):
+        for many, one in zip(together, along(given | {"power": power}, way), strict=True):
             np.testing.assert_allclose(many[number], one, rtol=0, atol=1e-9)
 
 
