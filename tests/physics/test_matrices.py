@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from functools import cache
 
+import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -76,9 +78,14 @@ def model(order: int, conductivity: np.ndarray, capacity: np.ndarray, surface=()
 
 
 def matrix(order: int, weight: float, conductivity, capacity, surface=()) -> np.ndarray:
-    balance = assemble(model(order, conductivity, capacity, surface))
-    zero = jnp.zeros(len(balance.model.space.mesh.nodes))
-    return np.asarray(step_matrix(balance, zero, weight).as_matrix())
+    made = model(order, conductivity, capacity, surface)
+    return np.asarray(dense_matrix(made, jnp.asarray(weight)))
+
+
+@eqx.filter_jit
+def dense_matrix(model: Model, weight: jax.Array) -> jax.Array:
+    zero = jnp.zeros(len(model.space.mesh.nodes))
+    return step_matrix(assemble(model), zero, weight).as_matrix()
 
 
 @pytest.mark.parametrize("order", [1, 2])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -217,9 +218,15 @@ def test_a_tensor_has_its_strengths_along_the_axes() -> None:
     np.testing.assert_allclose(made.conductivity, np.tile(wanted, (len(SPACE.mesh.cells), 1, 1)))
 
 
+@eqx.filter_jit
+def weakened(candidate: Void) -> Array:
+    """The conductivity of each cell beside it [W/m/K]."""
+    return candidate.to_model(bare(hot()), hot()).conductivity
+
+
 def factor_of(candidate: Void) -> np.ndarray:
     """What is left of the conductivity along the edge in each cell [1]."""
-    conductivity = candidate.to_model(bare(hot()), hot()).conductivity
+    conductivity = weakened(candidate)
     return np.linalg.eigvalsh(np.asarray(conductivity))[:, -1] / STATED.conductivity
 
 
@@ -258,6 +265,16 @@ def test_on_an_axis_only_the_sharpness_counts_and_on_a_diagonal_both(
     np.testing.assert_allclose(body.shapes(along)[0], np.exp(-(radius**sharpness)), atol=1e-6)
 
 
+@jax.jit
+def share_of_form(form: Array, there: Array) -> Array:
+    """Of a void at a point, by squareness, sharpness and factors on its half-widths."""
+    place = replace(within(MIDDLE, 0.004), squareness=form[:1], sharpness=form[1:2])
+    return replace(place, size=place.size * form[2:]).shapes(there)[0, 0]
+
+
+slope_of_form = jax.jit(jax.grad(share_of_form))
+
+
 @given(
     # About its edge, and a body away.
     st.lists(st.floats(-0.005, 0.005), min_size=3, max_size=3)
@@ -269,17 +286,14 @@ def test_the_form_of_a_void_has_slopes_everywhere(
     way: list[float], squareness: float, sharpness: float
 ) -> None:
     there = jnp.asarray(way)[None] + jnp.asarray(MIDDLE)
-
-    def share(form: Array) -> Array:
-        place = replace(within(MIDDLE, 0.004), squareness=form[:1], sharpness=form[1:2])
-        return replace(place, size=place.size * form[2:]).shapes(there)[0, 0]
-
-    form = jnp.asarray([squareness, sharpness, 1.0, 1.0, 1.0])
-    slopes = jax.grad(share)(form)
-    assert bool(jnp.isfinite(slopes).all())
+    form = np.array([squareness, sharpness, 1.0, 1.0, 1.0])
+    slopes = np.asarray(slope_of_form(jnp.asarray(form), there))
+    assert np.isfinite(slopes).all()
     small = 1e-6
-    for number, slope in enumerate(slopes):
-        ahead, behind = (share(form.at[number].add(sign * small)) for sign in (1, -1))
+    for slope, way in zip(slopes, np.eye(len(form)), strict=True):
+        ahead, behind = (
+            share_of_form(jnp.asarray(form + sign * small * way), there) for sign in (1, -1)
+        )
         assert float(ahead - behind) / 2 / small == pytest.approx(float(slope), abs=1e-4)
 
 
@@ -321,6 +335,7 @@ def test_slopes_are_finite_where_a_void_is_about_the_middle_of_a_cell(
     place = Inclusion(jnp.asarray(centres), jnp.full((2, 3), 1e-3), 12 * ones, 24 * ones)
     whole = (jnp.asarray(strengths), place)
 
+    @jax.jit
     def conductivity(parts: tuple[Array, Inclusion]) -> Array:
         return Void(*parts).to_model(bare(under), under).conductivity
 
@@ -337,7 +352,8 @@ def test_a_crack_holds_back_what_it_should(cells: int, off: float) -> None:
     body = properties(STATED, {}, len(space.mesh.cells), len(space.mesh.faces))
     under = conditions(run(points=np.array([[0.002, 0.002, height]])), space)
     crack = Void(one(strength), within((0.002, 0.002, 0.0045), [10.0, 10.0, thin / 2], 12.0, 24.0))
-    model = crack.to_model(make_model(space, body, under), under)
+    made = eqx.filter_jit(lambda one: one.to_model(make_model(space, body, under), under))
+    model = made(crack)
     along = jnp.stack([jnp.zeros(4001), jnp.zeros(4001), jnp.linspace(0, height, 4001)], 1)
     wanted = float(jnp.mean(1 / (1 - strength * crack.place.shapes(along)[0])))
     tensor = np.asarray(model.conductivity) / STATED.conductivity
