@@ -124,8 +124,8 @@ def _try_step(
     scheme: Sdirk2,
     balance: Balance,
     temperature: Float[Array, " nodes"],
-    start: Float[Array, ""],
-    size: Float[Array, ""],
+    start: Float[Array | np.ndarray, ""],
+    size: Float[Array | np.ndarray, ""],
     solver: ConjugateGradient,
 ) -> tuple[Float[Array, " nodes"], Float[Array, ""]]:
     new, error = step_with_error(scheme, balance, temperature, start, size, solver)
@@ -165,6 +165,7 @@ def plan_steps(
     balance = program(assemble)(model)
     smallest = 1e-4 * min(largest, float(frames[-1]))
     # Weakly typed, as a filled array is, the first step would be compiled apart from the others.
+    # Times are NumPy's for the same reason: JAX's of Python's numbers are cast at each step.
     temperature = jnp.asarray(initial, float)
     time, size = 0.0, 10 * smallest
     ends: list[float] = []
@@ -173,7 +174,7 @@ def plan_steps(
         goal = float(min(reach, stops[np.searchsorted(stops, time + 1e-9)]))
         length = goal - time
         new, error = _try_step(
-            scheme, balance, temperature, jnp.asarray(time), jnp.asarray(length), solver
+            scheme, balance, temperature, np.asarray(time), np.asarray(length), solver
         )
         ratio = float(error) / tolerance
         size = length * float(np.clip(SAFETY * max(ratio, 1e-9) ** (-1 / 3), SHRINK, GROW))
