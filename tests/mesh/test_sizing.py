@@ -63,7 +63,7 @@ def test_the_estimate_stays_below_the_cap(diffusivity, duration, most):
     assert 0 < sizing.skin <= sizing.core
 
 
-def rippled(half, subdivisions=6):
+def rippled(half, subdivisions=5):
     """An ellipsoid of half axes [m] with ripples of a fortieth of the first."""
     ball = trimesh.creation.icosphere(subdivisions)
     bumps = 1 + np.sin(12 * ball.vertices).prod(axis=1) / 40
@@ -117,7 +117,7 @@ def test_a_surface_that_is_read_again_is_not_measured_again(cube, ball):
 
 def test_the_field_is_fine_where_it_is_asked_for_and_grows_from_there(cube):
     spots = np.array([[0.0, 0.0, 0.0], [0.008, 0.0, 0.0]])
-    usual = Sizing(skin=0.004, core=0.008, depth=0.008)
+    usual = Sizing(skin=0.004, core=0.008, depth=0.002)
     sizing = replace(usual, fine=(Fine(spots, 0.001),))
     nodes, _, values = sizing_field(cube, sizing)
     away, _ = KDTree(spots).query(nodes)
