@@ -18,6 +18,12 @@ def photographs() -> tuple[Photograph, ...]:
     return tuple(photograph(camera) for camera in cameras(14))
 
 
+@cache
+def seen() -> Region:
+    """Where the photographs, none of them with a fault, show the ball."""
+    return region_of(photographs())
+
+
 def with_first(**changed: object) -> tuple[Photograph, ...]:
     first, *rest = photographs()
     return (dataclasses.replace(first, **changed), *rest)
@@ -32,7 +38,7 @@ def words(findings: tuple[Finding, ...]) -> str:
 
 
 def test_good_photographs_are_found_good() -> None:
-    region = region_of(photographs())
+    region = seen()
     # But for their size, 19 pixels across, which is told of each.
     found = preflight(photographs(), region)
     assert {one.what for one in found} == {"the object is 19 pixels across"}
@@ -52,7 +58,7 @@ def test_good_photographs_are_found_good() -> None:
 )
 def test_a_wrong_mask_is_named(mask, said: str, fatal: bool) -> None:
     changed = with_first(mask=mask(photographs()[0].mask))
-    found = preflight(changed, region_of(photographs()))
+    found = preflight(changed, seen())
     mine = [one for one in found if said in one.what]
     assert [one.where for one in mine] == ["view0.png"]
     assert mine[0].fatal == fatal
@@ -64,7 +70,7 @@ def test_a_pose_of_another_picture_is_named() -> None:
     tilt[:2, :2] = [[np.cos(0.1), -np.sin(0.1)], [np.sin(0.1), np.cos(0.1)]]
     tilt[0, 3] = 0.03
     moved = with_first(camera=posed(camera, tilt @ camera.pose))
-    said = words(preflight(moved, region_of(photographs())))
+    said = words(preflight(moved, seen()))
     named = [line for line in said.split("\n") if line.endswith("others see none")]
     assert [line.split(":")[0] for line in named] == ["view0.png"]
 
@@ -97,7 +103,7 @@ def test_a_camera_in_the_region_and_one_pose_twice_are_named() -> None:
     said = words(preflight(photographs(), Region(CENTRE, 0.3)))
     assert "view0.png: the camera stands inside the region" in said
     twice = (*photographs(), dataclasses.replace(photographs()[3], file="again.png"))
-    said = words(preflight(twice, region_of(photographs())))
+    said = words(preflight(twice, seen()))
     assert "again.png: the camera stands and looks as that of view3.png" in said
 
 
