@@ -113,8 +113,11 @@ def test_psnr_weighs_pixels_by_what_is_covered(photographed: ModuleType) -> None
 
 
 def test_a_folder_of_photographs_is_read_back(photographed: ModuleType, tmp_path: Path) -> None:
-
-    made = photographed.photographs_of(ball(), pixels=24).photographs[:3]
+    truth = ball()
+    made = tuple(
+        photographed.photograph(truth, photographed.stood(truth, place, 24, f"view_{number:02d}"))
+        for number, place in enumerate(photographed.LEFT_OUT[:3])
+    )
     photographed.write_photographs(tmp_path, made)
     views = read_cameras(tmp_path / "transforms.json")
     found = read_photographs(views, tmp_path)
