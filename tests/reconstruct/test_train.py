@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import equinox as eqx
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
-from coloured_ball import CENTRE, RADIUS, cameras, photograph
+from coloured_ball import CENTRE, PIXELS, RADIUS, cameras, photograph
 
 from thermo.errors import InputError
 from thermo.imaging import pixel_centres, rays
+from thermo.reconstruct import _picture, _train
+from thermo.reconstruct._objective import Parts
 from thermo.reconstruct._photograph import Photograph
 from thermo.reconstruct._picture import picture
 from thermo.reconstruct._region import Region
@@ -25,8 +31,16 @@ SMALL = Training(
     steps=300, rays=192, cells=(8, 16), width=32, rate=1e-2, sampling=Sampling(16, 1, 16)
 )
 BRIEF = Training(
-    steps=120, rays=32, cells=(4,), width=8, told=3, warm=10, sampling=Sampling(8, 1, 8)
+    steps=100, rays=32, cells=(4,), width=8, told=3, warm=10, sampling=Sampling(8, 1, 8)
 )
+
+
+@pytest.fixture(scope="module", autouse=True)
+def small_pictures() -> Iterator[None]:
+    """As many rays are rendered at a time as these pictures have, and none in vain."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(_picture, "_RAYS", PIXELS**2)
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -43,10 +57,19 @@ Told = list[tuple[int, int, float]]
 
 
 @pytest.fixture(scope="module")
-def brief(photographs: list[Photograph]) -> tuple[Trained, Told]:
+def left(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the short training leaves its checkpoint."""
+    return tmp_path_factory.mktemp("brief") / "checkpoint.npz"
+
+
+@pytest.fixture(scope="module")
+def brief(photographs: list[Photograph], left: Path) -> tuple[Trained, Told]:
     """A short training, and what it told of itself."""
     said: Told = []
-    return train(photographs, REGION, BRIEF, on_step=lambda *one: said.append(one)), said
+    found = train(
+        photographs, REGION, BRIEF, checkpoint=left, on_step=lambda *one: said.append(one)
+    )
+    return found, said
 
 
 def leaves(trained: Trained) -> list[np.ndarray]:
@@ -81,8 +104,29 @@ def test_a_view_that_was_left_out_is_predicted(trained: Trained) -> None:
 
 def test_progress_and_the_record_speak_of_every_step(brief: tuple[Trained, Told]) -> None:
     found, said = brief
-    assert [one[0] for one in said] == [50, 100, 120] and {one[1] for one in said} == {120}
-    assert found.psnr.shape == (120,)
+    assert [one[0] for one in said] == [50, 100] and {one[1] for one in said} == {100}
+    assert found.psnr.shape == (100,)
+    assert said[-1][2] == pytest.approx(found.psnr[-50:].mean())
+
+
+def test_the_last_loop_makes_the_steps_that_are_left(
+    photographs: list[Photograph], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made: list[int] = []
+
+    def noted(state: _train.State, *rest: Any) -> tuple[_train.State, Parts]:
+        """Nothing is learned, and no loop of another length compiled."""
+        numbers = np.asarray(rest[2])
+        made.extend(numbers)
+        return state, Parts(*[0.1 ** (1 + jnp.asarray(numbers) / 100)] * len(Parts._fields))
+
+    monkeypatch.setattr(_train, "_steps", noted)
+    said: Told = []
+    odd = dataclasses.replace(BRIEF, steps=120)
+    found = train(photographs, REGION, odd, on_step=lambda *one: said.append(one))
+    assert made == list(range(120))
+    assert [one[:2] for one in said] == [(50, 120), (100, 120), (120, 120)]
+    np.testing.assert_allclose(found.psnr, 10 + np.arange(120) / 10)
     assert said[-1][2] == pytest.approx(found.psnr[-20:].mean())
 
 
@@ -93,7 +137,7 @@ def test_after_an_interruption_it_goes_on_as_if_nothing_had_been(
     whole, _ = brief
 
     def stop(made: int, *_: object) -> None:
-        if made > 50:
+        if made == 50:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -102,23 +146,20 @@ def test_after_an_interruption_it_goes_on_as_if_nothing_had_been(
     resumed = train(
         photographs, REGION, BRIEF, checkpoint=file, on_step=lambda made, *_: again.append(made)
     )
-    assert again == [120], "what had been done is not done again"
+    assert again == [100], "what had been done is not done again"
     assert all(np.array_equal(a, b) for a, b in zip(leaves(whole), leaves(resumed), strict=True))
     assert np.array_equal(whole.psnr, resumed.psnr)
 
 
 def test_a_checkpoint_of_another_training_is_refused(
-    photographs: list[Photograph], tmp_path: Path
+    photographs: list[Photograph], brief: tuple[Trained, Told], left: Path
 ) -> None:
-    file = tmp_path / "checkpoint.npz"
-    train(photographs, REGION, BRIEF, checkpoint=file)
-    other = Training(
-        steps=120, rays=32, cells=(4,), width=8, told=3, warm=10, sampling=Sampling(8, 1, 8), seed=1
-    )
+    assert len(brief[0].psnr) == BRIEF.steps and left.exists()
+    other = dataclasses.replace(BRIEF, seed=1)
     with pytest.raises(InputError, match="another training"):
-        train(photographs, REGION, other, checkpoint=file)
+        train(photographs, REGION, other, checkpoint=left)
     with pytest.raises(InputError, match="another training"):
-        train(photographs[1:], REGION, BRIEF, checkpoint=file)
+        train(photographs[1:], REGION, BRIEF, checkpoint=left)
 
 
 def test_masks_are_known_of_all_or_of_none(photographs: list[Photograph]) -> None:
