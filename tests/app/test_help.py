@@ -20,6 +20,7 @@ def test_help_lists_the_groups_of_a_verb_and_no_other(verb: str, command: Comman
     lines = [one.strip() for one in outcome.out.splitlines()]
     listed = {one.partition(": ")[0]: one.partition(": ")[2] for one in lines if ": " in one}
     file = OmegaConf.load(configuration_folder() / f"{verb}.yaml")
+    assert OmegaConf.select(file, "hydra.mode") is None, "asked of the words alone in these tests"
     wanted = {name for one in file.defaults if not isinstance(one, str) for name in one}
     for group, folder in GROUPS.items():
         if group in wanted:
