@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -100,7 +101,9 @@ def samples(
             remedy="give wider ones; they are of logarithms where `model` is a `LogModel`",
         )  # fmt: skip
     kept = np.array(drawn[early:])
-    effective = np.atleast_1d(np.asarray(effective_sample_size(jnp.asarray(kept)[None])))
+    # Operation by operation it is a hundred small programs, which take longer than the draws.
+    count_alike = jax.jit(effective_sample_size)
+    effective = np.atleast_1d(np.asarray(count_alike(jnp.asarray(kept)[None])))
     return Samples(
         at.unknowns + kept @ root.T,
         float(np.mean(taken[early:])),
@@ -117,6 +120,21 @@ def _chain(
     The density is asked between two programs: it may run programs of its own, and those of the
     step would be compiled anew each time if it were part of them.
     """
+    from blackjax.mcmc import mala  # noqa: PLC0415 - an extra
+
+    propose, decide = _steps(unknowns)
+    key, begun = jax.random.key(seed), jnp.zeros(unknowns)
+    state = mala.init(begun, _known(*density(np.asarray(begun))))
+    for number in itertools.count():
+        mine = jax.random.fold_in(key, number)
+        proposed = density(np.asarray(propose(mine, state)))
+        state, told = decide(mine, state, *proposed)
+        yield np.asarray(state.position), bool(told.is_accepted)
+
+
+@functools.cache
+def _steps(unknowns: int) -> tuple[Callable[..., Array], Callable[..., Any]]:
+    """What proposes a step and what decides on it: compiled once for a number of unknowns [1]."""
     from blackjax.mcmc import diffusions, mala  # noqa: PLC0415 - an extra
 
     size, kernel = 0.5 * _LENGTH**2 * unknowns ** (-1 / 3), mala.build_kernel()
@@ -131,13 +149,7 @@ def _chain(
     def decide(key: Array, state: Any, value: Array, slope: Array) -> Any:
         return kernel(key, state, _known(value, slope), size)
 
-    key, begun = jax.random.key(seed), jnp.zeros(unknowns)
-    state = mala.init(begun, _known(*density(np.asarray(begun))))
-    for number in itertools.count():
-        mine = jax.random.fold_in(key, number)
-        proposed = density(np.asarray(propose(mine, state)))
-        state, told = decide(mine, state, *proposed)
-        yield np.asarray(state.position), bool(told.is_accepted)
+    return propose, decide
 
 
 def _known(value: Array, slope: Array) -> Callable[[Array], Array]:
