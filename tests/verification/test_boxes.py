@@ -50,7 +50,7 @@ def test_ttlv301_step_on_all_faces() -> None:
     got = simulate(
         model,
         everywhere(space, 1.0),
-        growing_steps(times, 0.002, 1.06),
+        growing_steps(times, 0.002, 1.12),
         integrator=Sdirk2(),
         readout=at_points(space, points),
     ).temperature
@@ -75,7 +75,7 @@ def test_ttlv300_flux_into_all_faces() -> None:
     got = simulate(
         model,
         everywhere(space, 1.0),
-        growing_steps(times, 0.002, 1.06),
+        growing_steps(times, 0.002, 1.12),
         integrator=Sdirk2(),
         readout=at_points(space, points),
     ).temperature
