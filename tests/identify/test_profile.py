@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-from box_scene import CONDUCTIVITY, write_block
+from box_scene import CONDUCTIVITY, edit, write_block
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -168,18 +169,23 @@ def test_a_search_that_stalls_is_called_failed() -> None:
 
 def test_a_lamp_bounds_a_conductivity_and_cooling_alone_does_not(tmp_path: Path) -> None:
     block = write_block(tmp_path / "block")
+    # A lamp of a nanowatt leaves cooling alone, and lets both runs share their programs.
+    runs = json.loads((block / "scene.json").read_text())["runs"]
+    runs["cooling"]["heater"] = {**runs["lamp"]["heater"], "power": 1e-9}
+    edit(block, runs=runs)
 
-    def model(run: str, *unknown: str) -> LogModel:
+    def model(run: str) -> LogModel:
         return log_model(
-            block, runs=(run,), unknown=unknown, initial={"conductivity": CONDUCTIVITY},
+            block, runs=(run,), unknown=("conductivity", "volumetric_heat_capacity", "convection"),
+            initial={"conductivity": CONDUCTIVITY},
             meshing=Meshing(order=1, max_nodes=600, corrected=False, cache=tmp_path / "meshes"),
             stepping=Stepping(tolerance=0.1, rtol=1e-9), model_error=0.1,
         )  # fmt: skip
 
-    lamp = model("lamp", "conductivity", "convection")
+    lamp = model("lamp")
     found = profile(lamp, lamp.first, 0, bounds=lamp.bounds)
     assert found.kind == "bounded" and not found.nonlinear()
-    both = model("cooling", "conductivity", "volumetric_heat_capacity", "convection")
+    both = model("cooling")
     near = both.first[:, None] + box(1.0, 2.0, 2.0)
     free = profile(both, both.first, 0, bounds=near)
     assert free.kind == "flat" and free.rises.max() < 0.1
