@@ -8,6 +8,7 @@ import equinox as eqx
 import numpy as np
 import pytest
 import trimesh
+from one_mesh import simulate_once
 from scipy.integrate import solve_ivp
 
 from thermo.inverse import Meshing, Uniform, invert, load_estimate, save_estimate, simulate
@@ -32,6 +33,12 @@ TIME = np.linspace(0.0, 60.0, 31)
 EVERYWHERE = Box([-1.0, -1.0, -1.0], [1.0, 1.0, 1.0])
 LAMP = Heater([0.0, 0.0, 1.0], [0.0, 0.0, -1.0], 1.0, POWER, LIT, 0.0)
 MESHING = Meshing(max_nodes=500)
+
+
+@pytest.fixture(autouse=True)
+def once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Closed forms tell how good a mesh is: no coarser one is asked."""
+    simulate_once(monkeypatch)
 
 
 def column(folder: Path, material: StatedMaterial, run: Run) -> Scene:
@@ -101,7 +108,9 @@ def test_a_steady_slab_whose_conductivity_grows(tmp_path: Path) -> None:
         prescribed=tuple(held), insulated=(EVERYWHERE,),
     )  # fmt: skip
     scene = column(tmp_path, StatedMaterial("clay", DENSITY, 1000.0, table), run)
-    found = simulate(scene, "steady", meshing=Meshing(cells_per_depth=6)).temperature[-1]
+    # Steps on the way do not matter to the steady end.
+    meshing = Meshing(cells_per_depth=6)
+    found = simulate(scene, "steady", meshing=meshing, tolerance=0.02).temperature[-1]
     # Kirchhoff: the integral of k over temperature is linear along the slab.
     levels = np.linspace(300.0, 400.0, 100001)
     conducted = np.append(0.0, np.cumsum(np.interp(levels[:-1] + 5e-4, *_columns(table))))
