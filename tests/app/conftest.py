@@ -19,6 +19,7 @@ with warnings.catch_warnings():
     # The checker of annotations minds an old spelling inside OmegaConf.
     warnings.simplefilter("ignore", BeartypeDecorHintPep585DeprecationWarning)
     from thermo.app import main
+    from thermo.report import _write_inversion, _write_prediction
 
 SMALL = (
     "field=uniform", "optimiser=adam", "optimiser.max_steps=3", "optimiser.rate=0.2", "mesh=tet4",
@@ -87,6 +88,14 @@ def command(
         return Outcome(code, said.out, said.err)
 
     return run
+
+
+@pytest.fixture
+def unpictured(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fits and predictions draw nothing: seconds each, where no test looks at pictures."""
+    monkeypatch.setattr(_write_inversion, "_figures", lambda *_: None)
+    for name in ("figure_curves", "figure_residuals"):
+        monkeypatch.setattr(_write_prediction, name, lambda *_: None)
 
 
 @pytest.fixture(scope="session")

@@ -117,10 +117,8 @@ def test_predict_scores_the_held_out_run(
     fit: Path, command: Command, block: Path, tmp_path: Path
 ) -> None:
     out = tmp_path / "predicted"
-    outcome = command(
-        "predict", f"data={block}", f"estimate={fit}", f"out={out}", "tolerance=0.05",
-        "mesh.max_nodes=3000",
-    )  # fmt: skip
+    words = ("predict", f"data={block}", f"estimate={fit}", f"out={out}")
+    outcome = command(*words, "mesh=tet4", "mesh.max_nodes=3000", "tolerance=0.05")
     assert outcome.code == 0, outcome.err
     temperature = check_recording(out, "test_lamp")
     check_series(out, "test_lamp")
@@ -154,6 +152,7 @@ def of_the_fit(out: Path) -> list[str]:
     return [one for one in result(out)["remarks"] if not one.startswith("Cells make some")]
 
 
+@pytest.mark.usefixtures("fit", "unpictured")
 def test_a_prediction_tells_what_its_fit_does_not_explain(
     fit: Path, command: Command, block: Path, tmp_path: Path
 ) -> None:
@@ -164,7 +163,7 @@ def test_a_prediction_tells_what_its_fit_does_not_explain(
     others = [one for one in record["remarks"] if "does not explain" not in one]
     (poor / "result.json").write_text(json.dumps(record | {"remarks": [*others, told]}))
     out = tmp_path / "predicted"
-    quick = ("tolerance=0.5", "mesh.max_nodes=3000")
+    quick = ("mesh=tet4", "tolerance=0.5", "mesh.max_nodes=3000")
     outcome = command("predict", f"data={block}", f"estimate={poor}", f"out={out}", *quick)
     assert outcome.code == 0, outcome.err
     assert of_the_fit(out) == [f"Of the fit that this rests on: {told}"]
@@ -203,7 +202,7 @@ def test_what_a_search_left_unexplained_is_told_to_whoever_predicts_from_it(
 
 
 def test_simulate_takes_the_values_of_the_command_line(
-    command: Command, block: Path, cache: str, tmp_path: Path
+    command: Command, block: Path, cache: str, tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:
     out = tmp_path / "simulated"
     words = ("simulate", f"data={block}", "run=lamp", f"out={out}", cache, *COARSE)
@@ -219,6 +218,7 @@ def test_simulate_takes_the_values_of_the_command_line(
     (told,) = found["remarks"]
     assert told.startswith("Cells make some ") and " K wrong in lamp at " in told
     assert found["cells"]["lamp"]["largest"] > found["noise"]["lamp"] and told in outcome.out
+    request.getfixturevalue("unpictured")
     more = ("material.conductivity=2.4", "surface_exchange.convection=100")
     assert command(*words, *more).code == 0
     windy = check_recording(out, "lamp")
@@ -226,6 +226,7 @@ def test_simulate_takes_the_values_of_the_command_line(
     assert 0.1 < (windy[-1] - 295).mean() / (temperature[-1] - 295).mean() < 0.8
 
 
+@pytest.mark.usefixtures("fit", "unpictured")
 def test_a_multirun_makes_a_folder_for_each_seed(
     fit: Path, command: Command, block: Path, cache: str, tmp_path: Path
 ) -> None:
