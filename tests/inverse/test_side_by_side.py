@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from jaxtyping import Array
 
 from thermo.inverse import _side_by_side as module
 from thermo.inverse._conditions import conditions, make_model
@@ -13,6 +15,7 @@ from thermo.inverse._side_by_side import solve_each
 from thermo.observe import Scene
 from thermo.physics import (
     ConjugateGradient,
+    Model,
     ReadOut,
     discretise,
     every_node,
@@ -37,8 +40,10 @@ def test_each_model_has_its_own_answer_in_its_place(scene: Scene) -> None:
     count = len(space.mesh.nodes)
     grid, readout = uniform_steps(np.array([0.0, 5.0, 20.0]), 1.0), every_node(count)
     found = solve_each(models, under, grid, readout)
-    for model, temperature in zip(models, found, strict=True):
-        alone = solve_heat(
+
+    @eqx.filter_jit
+    def alone(model: Model) -> Array:
+        return solve_heat(
             model,
             jnp.asarray(under.start(count)),
             grid,
@@ -46,7 +51,9 @@ def test_each_model_has_its_own_answer_in_its_place(scene: Scene) -> None:
             readout=readout,
             solver=ConjugateGradient(rtol=1e-9),
         ).temperature
-        np.testing.assert_allclose(temperature, alone, rtol=0, atol=1e-3)
+
+    for model, temperature in zip(models, found, strict=True):
+        np.testing.assert_allclose(temperature, alone(model), rtol=0, atol=1e-3)
     ends = np.array([temperature[-1].mean() for temperature in found])
     assert (np.abs(np.subtract.outer(ends, ends)) + np.eye(len(values)) > 0.01).all()
 
