@@ -28,6 +28,8 @@ from thermo.inverse._stages import make_stage
 from thermo.inverse._task import FINER, Ready, Task, mesh_for, prepare
 from thermo.observe import Run, Scene
 
+pytestmark = pytest.mark.usefixtures("bricks")
+
 TRUTH = {"conductivity": 0.8}
 FEWER = 6
 
