@@ -18,6 +18,7 @@ from thermo.inverse import (
     Network,
     Patchwise,
     Prior,
+    Sensitivity,
     Stepping,
     Uniform,
     sensitivity,
@@ -35,17 +36,26 @@ VALUE = 0.8
 RUNS = ("lamp", "cooling")
 
 
-def test_slopes_are_differences_of_simulations(scene: Scene, meshing: Meshing) -> None:
-    # At the usual tolerance the solver's own error, over the width of the difference, is seen.
-    stepping, initial = Stepping(tolerance=0.02, rtol=1e-8), {"conductivity": VALUE}
-    found = sensitivity(
-        scene, runs=RUNS, initial=initial, meshing=meshing, stepping=stepping,
+# At the usual tolerance the solver's own error, over the width of a difference, is seen.
+STEPPING, INITIAL = Stepping(tolerance=0.02, rtol=1e-8), {"conductivity": VALUE}
+
+
+@pytest.fixture(scope="module")
+def found(scene: Scene, meshing: Meshing) -> Sensitivity:
+    """Slopes by the conductivity of the whole and by both factors."""
+    return sensitivity(
+        scene, runs=RUNS, initial=INITIAL, meshing=meshing, stepping=STEPPING,
         scales=("heater_power", "camera_emissivity"),
     )  # fmt: skip
+
+
+def test_slopes_are_differences_of_simulations(
+    found: Sensitivity, scene: Scene, meshing: Meshing
+) -> None:
     assert found.names == ("conductivity", "heater_power", "camera_emissivity")
     assert found.values == pytest.approx((VALUE, 1.0, 1.0))
     picked = tuple(scene.runs[name] for name in RUNS)
-    how = (Uniform(), Adam(), Prior(), stepping, meshing, "none", initial, 0, 0.0)
+    how = (Uniform(), Adam(), Prior(), STEPPING, meshing, "none", INITIAL, 0, 0.0)
     task = Task(scene, picked, ("conductivity",), *how)
     # On one mesh: simulations of their own would each be meshed for their own diffusivity.
     made = make_objective(task, prepare(task), meshing.order)
@@ -80,10 +90,14 @@ def test_a_factor_that_is_not_known_is_refused(scene: Scene) -> None:
     assert caught.value.where == "scales" and "heater_power" in caught.value.limit
 
 
-def test_patches_share_the_slope_of_the_whole(block: Path, meshing: Meshing) -> None:
-    how = {"initial": {"conductivity": VALUE}, "meshing": meshing, "runs": ("cooling",)}
-    whole = sensitivity(block, **how).slopes["cooling"]
-    parts = sensitivity(block, choice=Patchwise(patches=3), **how)
+def test_patches_share_the_slope_of_the_whole(
+    found: Sensitivity, block: Path, meshing: Meshing
+) -> None:
+    whole = found.slopes["cooling"][..., :1]
+    parts = sensitivity(
+        block, runs=("cooling",), initial=INITIAL, meshing=meshing, stepping=STEPPING,
+        choice=Patchwise(patches=3),
+    )  # fmt: skip
     assert parts.names == ("conductivity",) * 3
     total = parts.slopes["cooling"].sum(-1, keepdims=True)
     assert np.abs(total - whole).max() < 1e-3 * np.abs(whole).max()
