@@ -11,7 +11,6 @@ import jax
 import numpy as np
 import pytest
 from box_scene import CONDUCTIVITY, NOISE, edit
-from bricks import lay_bricks
 
 from thermo.errors import InputError
 from thermo.fields import QUANTITIES, DirectField, TwoMaterialField, place_control_points
@@ -35,6 +34,8 @@ from thermo.physics.integrators import BackwardEuler
 
 from .conftest import START
 from .walk import Walk
+
+pytestmark = pytest.mark.usefixtures("bricks")
 
 LONG = Stepping(integrator=BackwardEuler(), size=1.5)
 TWO = ("lamp", "cooling")
@@ -61,7 +62,7 @@ def unsimulated(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "run_fits", lambda *_: {})
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def plain(block: Path, meshing: Meshing) -> Estimate:
     return descend(block, meshing)
 
@@ -276,19 +277,14 @@ def test_names_are_checked_before_any_work(scene: Scene, monkeypatch: pytest.Mon
             invert(scene, **more)
 
 
-@pytest.fixture
-def lattice(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Bricks, not those of the data, in place of the mesher's mesh, which is another each time."""
-    lay_bricks(monkeypatch, (7, 6, 3))
-
-
-@pytest.mark.usefixtures("lattice")
-def test_the_data_call_one_material_uniform(block: Path, meshing: Meshing) -> None:
+def test_the_data_call_one_material_uniform(
+    block: Path, meshing: Meshing, stepping: Stepping
+) -> None:
+    # Until the field begins its programs are those of `fitted`.
     quadratic = replace(meshing, order=2, corrected=True)
-    stepping = Stepping(tolerance=0.02)
-    how = {"meshing": quadratic, "stepping": stepping}
     choice = OnControlPoints(count=12)
-    estimate = invert(block, runs=("lamp",), initial=START, choice=choice, **how)
+    how = {"meshing": quadratic, "stepping": stepping, "choice": choice}
+    estimate = invert(block, initial=START, **how)
     field = estimate.fields["conductivity"]
     # What a mesh of so few cells leaves wrong can look like two per cent of variation.
     step = estimate.smoothness["conductivity"]
