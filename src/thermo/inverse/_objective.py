@@ -39,9 +39,12 @@ PAIRS = 64
 def _filled_up(pairs: Int[Array | np.ndarray, "pairs 2"]) -> Int[Array, "filled 2"]:
     """Pairs of a control with itself after the others: they differ by nothing and cost nothing.
 
-    Other seeds make a few more or fewer pairs, and each number would need programs of its own.
+    Other seeds make a few more or fewer pairs, and each number would need programs of its own, as
+    it would to be filled up by JAX.
     """
-    return jnp.pad(jnp.asarray(pairs), ((0, -len(pairs) % PAIRS), (0, 0)))
+    missing = -len(pairs) % PAIRS
+    filled = np.pad(np.asarray(pairs), ((0, missing), (0, 0))) if missing else pairs
+    return jnp.asarray(filled)
 
 
 @final
