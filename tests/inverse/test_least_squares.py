@@ -6,12 +6,14 @@ from dataclasses import replace
 from typing import Any
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from jax.flatten_util import ravel_pytree
+from jaxtyping import Array
 
 from thermo.inverse import AbstractOptimiser, GaussNewtonKrylov, LevenbergMarquardt
 from thermo.inverse import _least_squares as least_squares
@@ -115,6 +117,11 @@ def test_tangents_that_point_uphill_stall_without_success() -> None:
     assert len(set(fit.history[0])) == 1, "nothing uphill was taken"
 
 
+@jax.jit
+def _no_longer(move: Array, trust: Array) -> tuple[Array, Array]:
+    return least_squares._longest(move, trust), least_squares._shortened(move, trust)
+
+
 @given(
     move=st.lists(st.floats(-1e6, 1e6, allow_subnormal=False), min_size=1, max_size=6),
     share=st.floats(1e-6, 1e6),
@@ -123,40 +130,47 @@ def test_steps_are_shortened_and_more_where_trust_was_lost(move: list[float], sh
     trust = jnp.asarray(share * least_squares.FIRST_STEP)
     longest = max(map(abs, move))
     most = min(least_squares.LONGEST, longest) * min(1.0, share)
-    left = least_squares._longest(jnp.asarray(move), trust)
-    cut = np.clip(np.asarray(move), -np.asarray(left), np.asarray(left))
+    left, short = map(np.asarray, _no_longer(jnp.asarray(move), trust))
+    cut = np.clip(np.asarray(move), -left, left)
     expected = [np.sign(one) * min(abs(one), most) for one in move]
     np.testing.assert_allclose(cut, expected, rtol=1e-12)
-    short = np.asarray(least_squares._shortened(jnp.asarray(move), trust))
     part = most / max(longest, 1e-12)
     np.testing.assert_allclose(short, np.asarray(move) * part, rtol=1e-9, atol=1e-300)
 
 
 def near(matrix: np.ndarray, value: np.ndarray) -> Any:
     """The loss near a point with this residual and Jacobian [1]."""
-    parts = jnp.linalg.eigh(jnp.asarray(matrix.T @ matrix))
+    parts = map(jnp.asarray, np.linalg.eigh(matrix.T @ matrix))
     return least_squares._Near(jnp.asarray(value @ matrix), *parts)
+
+
+@jax.jit
+def _shortened_by(here: Any, share: float) -> tuple[Array, ...]:
+    """The whole step, a share of it, the step within that, and what this and cutting promise."""
+    trust = jnp.asarray(least_squares.FIRST_STEP)
+    whole = here.damped(trust)
+    most = share * jnp.abs(whole).max()
+    step = here.within(most, trust)
+    cut = jnp.minimum(1.0, share) * whole
+    return whole, most, step, here.promise(step), here.promise(cut)
 
 
 @given(seed=st.integers(0, 999), share=st.floats(1e-6, 2.0))
 def test_the_damping_is_the_least_that_keeps_a_step_short(seed: int, share: float) -> None:
     make = np.random.default_rng(seed)
     here = near(make.normal(size=(30, 4)) * [1e-3, 1.0, 20.0, 5.0], make.normal(size=30))
-    trust = jnp.asarray(least_squares.FIRST_STEP)
-    whole = here.damped(trust)
-    most = share * jnp.abs(whole).max()
-    step = here.within(most, trust)
+    whole, most, step, promised, cut = _shortened_by(here, share)
     if share >= 1:
         np.testing.assert_allclose(step, whole, rtol=1e-9)
     else:
         assert float(jnp.abs(step).max()) == pytest.approx(float(most), rel=1e-6)
-    part = jnp.minimum(1.0, share)
-    assert float(here.promise(step)) >= float(here.promise(part * whole)) * (1 - 1e-9)
+    assert float(promised) >= float(cut) * (1 - 1e-9)
 
 
 def test_where_nothing_is_to_be_gained_nothing_moves() -> None:
     here = near(np.eye(3), np.zeros(3))
-    step = here.within(jnp.asarray(0.0), jnp.asarray(least_squares.FIRST_STEP))
+    within = jax.jit(lambda most, trust: here.within(most, trust))
+    step = within(jnp.asarray(0.0), jnp.asarray(least_squares.FIRST_STEP))
     assert np.array_equal(step, np.zeros(3))
 
 
@@ -164,10 +178,11 @@ def test_a_direction_that_is_hardly_known_holds_up_no_other() -> None:
     # Only the sum of both is known well, and it is off by 1; their difference is said to be 40 off.
     matrix = np.array([[300.0, 300.0], [0.3, -0.3]])
     here = near(matrix, -matrix @ np.array([20.5, -19.5]))
-    step, _ = least_squares._BoundedDescent().step(jnp.asarray(least_squares.FIRST_STEP), here)
+    bounded = jax.jit(lambda trust: least_squares._BoundedDescent().step(trust, here)[0])
+    step = bounded(jnp.asarray(least_squares.FIRST_STEP))
     assert np.abs(step).max() <= least_squares.LONGEST
     assert step.sum() == pytest.approx(1.0, abs=1e-3), "the sum goes all its way"
-    distrusted, _ = least_squares._BoundedDescent().step(jnp.asarray(1.0), here)
+    distrusted = bounded(jnp.asarray(1.0))
     assert np.abs(distrusted).max() == pytest.approx(0.01, rel=1e-6)
 
 
@@ -196,7 +211,7 @@ def test_only_a_dense_step_is_not_held_up_by_a_parameter_far_off(cutting: bool) 
     problem = beliefs(centre=2.0)
     begun = start(problem)
     point, state, _, _ = optimiser.advance(problem, begun, optimiser.begin(problem, begun))
-    value, matrix = (np.asarray(part) for part in jacobian(problem, begun))
+    value, matrix = (np.asarray(part) for part in eqx.filter_jit(jacobian)(problem, begun))
     damped = matrix.T @ matrix + np.eye(matrix.shape[1]) / least_squares.FIRST_STEP
     whole = np.linalg.solve(damped, -matrix.T @ value)
     cut = np.abs(whole) > least_squares.LONGEST
