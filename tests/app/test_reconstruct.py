@@ -16,7 +16,7 @@ from thermo.app._reconstruct import _photographs
 from thermo.errors import InputError
 from thermo.imaging import View, pixel_centres, rays, read_cameras, write_transforms
 from thermo.mesh import read_surface
-from thermo.reconstruct import MetricScale, _picture
+from thermo.reconstruct import MetricScale, _extract_surface, _picture
 from thermo.report import _figure_turntable
 from thermo.report._figure_turntable import VIEWS as SIDES
 
@@ -74,9 +74,10 @@ def stood(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def rebuilt(command: Command, pictures: Path, stood: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A ball in metres, by depths, with one photograph left out; its pictures are small."""
+    """A ball in metres, by depths, with one photograph left out; pictures and grid are small."""
     monkeypatch.setattr(_figure_turntable, "_EDGE", EDGE)
     monkeypatch.setattr(_picture, "_RAYS", EDGE**2)
+    monkeypatch.setattr(_extract_surface, "_CHUNK", 1 << 14)
     if not stood.exists():
         outcome = command(
             "reconstruct", f"cameras={pictures / 'transforms.json'}", f"out={stood}",
