@@ -124,8 +124,8 @@ def _try_step(
     scheme: Sdirk2,
     balance: Balance,
     temperature: Float[Array, " nodes"],
-    start: Float[Array | np.ndarray, ""],
-    size: Float[Array | np.ndarray, ""],
+    start: Float[Array, ""],
+    size: Float[Array, ""],
     solver: ConjugateGradient,
 ) -> tuple[Float[Array, " nodes"], Float[Array, ""]]:
     new, error = step_with_error(scheme, balance, temperature, start, size, solver)
@@ -164,8 +164,8 @@ def plan_steps(
     solver = ConjugateGradient(rtol=1e-5)
     balance = program(assemble)(model)
     smallest = 1e-4 * min(largest, float(frames[-1]))
-    # Weakly typed, as a filled array is, the first step would be compiled apart from the others.
-    # Times are NumPy's for the same reason: JAX's of Python's numbers are cast at each step.
+    # Weakly typed, as a filled array is, the first step would be compiled apart from the others;
+    # times, as JAX makes them of Python's numbers, would be cast at each step.
     temperature = jnp.asarray(initial, float)
     time, size = 0.0, 10 * smallest
     ends: list[float] = []
@@ -173,9 +173,8 @@ def plan_steps(
         reach = time + min(size, largest)
         goal = float(min(reach, stops[np.searchsorted(stops, time + 1e-9)]))
         length = goal - time
-        new, error = _try_step(
-            scheme, balance, temperature, np.asarray(time), np.asarray(length), solver
-        )
+        now, long = jnp.asarray(time, float), jnp.asarray(length, float)
+        new, error = _try_step(scheme, balance, temperature, now, long, solver)
         ratio = float(error) / tolerance
         size = length * float(np.clip(SAFETY * max(ratio, 1e-9) ** (-1 / 3), SHRINK, GROW))
         if ratio > 1 and length > 2 * smallest:
