@@ -102,8 +102,7 @@ def samples(
         )  # fmt: skip
     kept = np.array(drawn[early:])
     # Operation by operation it is a hundred small programs, which take longer than the draws.
-    count_alike = jax.jit(effective_sample_size)
-    effective = np.atleast_1d(np.asarray(count_alike(jnp.asarray(kept)[None])))
+    effective = np.atleast_1d(jax.jit(effective_sample_size)(jnp.asarray(kept)[None]))
     return Samples(
         at.unknowns + kept @ root.T,
         float(np.mean(taken[early:])),
