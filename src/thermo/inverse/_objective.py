@@ -39,12 +39,13 @@ PAIRS = 64
 def _filled_up(pairs: Int[Array | np.ndarray, "pairs 2"]) -> Int[Array, "filled 2"]:
     """Pairs of a control with itself after the others: they differ by nothing and cost nothing.
 
-    Other seeds make a few more or fewer pairs, and each number would need programs of its own, as
-    it would to be filled up by JAX.
+    Other seeds make a few more or fewer pairs, and each number would need programs of its own.
     """
     missing = -len(pairs) % PAIRS
-    filled = np.pad(np.asarray(pairs), ((0, missing), (0, 0))) if missing else pairs
-    return jnp.asarray(filled)
+    if not missing:  # As where a prior is made again while a program is traced.
+        return jnp.asarray(pairs)
+    # By NumPy: JAX would compile a program for each number.
+    return jnp.asarray(np.pad(np.asarray(pairs), ((0, missing), (0, 0))))
 
 
 @final
