@@ -220,7 +220,7 @@ def test_a_tensor_has_its_strengths_along_the_axes() -> None:
 
 @eqx.filter_jit
 def weakened(candidate: Void) -> Array:
-    """The conductivity of each cell beside it [W/m/K]."""
+    """The conductivity of each cell with voids in the body [W/m/K]."""
     return candidate.to_model(bare(hot()), hot()).conductivity
 
 
