@@ -317,6 +317,8 @@ def test_maps_before_and_after_have_one_scale_of_colours() -> None:
     assert (before.marker.cmin, before.marker.cmax) == (after.marker.cmin, after.marker.cmax)
     assert before.marker.cmax == 0.9 and before.scene != after.scene
     assert "&lt;lamp&gt;" in figure.layout.title.text
+    # The third sample has no valid reading, and is not drawn.
+    assert list(before.x) == [0.0, 0.01] and list(before.hovertext) == ["0.1 K", "0.9 K"]
     told["by_sample"]["after"] = told["by_frame"]["after"] = None
     bare: Any = residual_curves("lamp", told, None)
     assert len(residual_maps("lamp", told).data) == len(bare.data) == 1 and not bare.layout.shapes

@@ -75,7 +75,7 @@ def chance_curve(drawn: Record, threshold: float, found: float | None) -> Figure
 
 def residual_maps(run: str, found: Record) -> Figure:
     """Root mean square of each sample over time [K], before and after on one scale of colours."""
-    x, y, z = np.array(found["points"], float).T
+    points = np.array(found["points"], float)
     values = {
         side: np.array(one, float) for side, one in found["by_sample"].items() if one is not None
     }
@@ -84,9 +84,11 @@ def residual_maps(run: str, found: Record) -> Figure:
     specs = [[{"type": "scene"} for _ in values]]
     figure = make_subplots(rows=1, cols=len(values), specs=specs, subplot_titles=list(values))
     for column, one in enumerate(values.values(), 1):
-        marker = {"size": 4, "color": one, "cmin": 0.0, "cmax": most, "colorscale": "Viridis",
+        read = np.isfinite(one)  # a sample without a valid reading has nothing to show
+        (x, y, z), seen = points[read].T, one[read]
+        marker = {"size": 4, "color": seen, "cmin": 0.0, "cmax": most, "colorscale": "Viridis",
                   "showscale": column == 1, "colorbar": {"title": "rms [K]"}}  # fmt: skip
-        hover = [f"{value:.3g} K" for value in one]
+        hover = [f"{value:.3g} K" for value in seen]
         cloud = Scatter3d(x=x, y=y, z=z, mode="markers", hovertext=hover, marker=marker)
         figure.add_trace(cloud, row=1, col=column)
     figure.update_scenes(
