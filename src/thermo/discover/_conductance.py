@@ -11,12 +11,13 @@ import numpy as np
 from jax.flatten_util import ravel_pytree
 from jaxtyping import Array, Float
 
+from thermo._compiled import program
 from thermo.discover._candidate import AbstractHeatCandidate, Candidate, Place
 from thermo.discover._descent import Free
 from thermo.discover._entries import Active, Entry, entry_of
 from thermo.discover._extended import Extended, numbers
 from thermo.discover._standing import Standing, has_places, take
-from thermo.inverse import NORMAL, case_model, with_fields
+from thermo.inverse import NORMAL, Objective, Parameters, case_model, with_fields
 from thermo.physics.effects import Contact, Convection
 
 _STAYS: Final = 1.2
@@ -40,14 +41,16 @@ def conductance_of(
     was fitted, linearised.
     """
     flat, unravel = ravel_pytree(standing.point)
+    entry = entry_of(standing.point, active)
 
     def whole(flat: Float[Array, " entries"]) -> Float[Array, ""] | None:
-        return taken_by(standing, active, unravel(flat))
+        return _taken(*_asked(standing, entry, unravel(flat)))
 
-    value = whole(flat)
-    if value is None:
+    if jax.eval_shape(whole, flat) is None:
         return None
-    slope = np.asarray(jax.grad(whole)(flat))[free.number] * free.scale
+    # Within a program: each operation would be one of its own.
+    value, every = jax.jit(jax.value_and_grad(whole))(flat)
+    slope = np.asarray(every)[free.number] * free.scale
     return float(value), float(np.sqrt(slope @ covariance @ slope))
 
 
@@ -99,14 +102,25 @@ def _number(point: Extended, free: Free, kind: int, part: int) -> int:
 
 def taken_by(standing: Standing, active: Active, point: Extended) -> Float[Array, ""] | None:
     """The integral of h over all of the place of an effect at a point [W/K]."""
-    entry = entry_of(standing.point, active)
-    candidate = _alone(point.candidates[entry.kind], entry)
-    if not isinstance(candidate, AbstractHeatCandidate):
+    return _taken_now(*_asked(standing, entry_of(standing.point, active), point))
+
+
+Asked = tuple[Objective, Parameters, Candidate, int]
+
+
+def _asked(standing: Standing, entry: Entry, point: Extended) -> Asked:
+    return standing.bench.coarse, standing.point.fields, point.candidates[entry.kind], entry.part
+
+
+def _taken(
+    objective: Objective, fields: Parameters, candidate: Candidate, part: int
+) -> Float[Array, ""] | None:
+    alone = _alone(candidate, part)
+    if not isinstance(alone, AbstractHeatCandidate):
         return None
-    objective = standing.bench.coarse
     case = jax.tree.map(lambda leaf: leaf[0], objective.cases[0])
-    model = case_model(objective, with_fields(objective, standing.point.fields), case)
-    added = candidate.to_model(model, case.under).surface[len(model.surface) :]
+    model = case_model(objective, with_fields(objective, fields), case)
+    added = alone.to_model(model, case.under).surface[len(model.surface) :]
     films = [jnp.asarray(_film(one)) for one in added if isinstance(one, Convection | Contact)]
     if not films:
         return None
@@ -115,14 +129,17 @@ def taken_by(standing: Standing, active: Active, point: Extended) -> Float[Array
     return jnp.sum(jnp.stack(each))
 
 
-def _alone(candidate: Candidate, entry: Entry) -> Candidate:
+_taken_now = program(_taken)
+
+
+def _alone(candidate: Candidate, part: int) -> Candidate:
     """A candidate of which one part is at work [SI]."""
     if has_places(candidate):
-        return take(candidate, np.array([entry.part]))
-    if entry.card.joint:
+        return take(candidate, np.array([part]))
+    if candidate.card.joint:
         return candidate
-    alone = jnp.zeros_like(candidate.strength).at[entry.part]
-    return replace(candidate, strength=alone.set(candidate.strength[entry.part]))
+    alone = jnp.zeros_like(candidate.strength).at[part]
+    return replace(candidate, strength=alone.set(candidate.strength[part]))
 
 
 def _film(effect: Convection | Contact) -> Array | np.ndarray:

@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Array, Float
 from scipy.linalg import block_diag
 
+from thermo._compiled import program
 from thermo.discover._bench import Apart
 from thermo.discover._extended import whitened
 from thermo.discover._modes import space_modes, time_modes
@@ -187,9 +188,14 @@ def _rates(
     read: Float[np.ndarray, "frames samples"], when: Float[np.ndarray, " frames"]
 ) -> Float[np.ndarray, "frames samples"]:
     """How fast what is read changes from where each frame is [K/s]; its times [s]."""
-    values, time = jnp.asarray(read), jnp.asarray(when)
+    return np.asarray(_going(jnp.asarray(read), jnp.asarray(when)))
 
+
+@program
+def _going(
+    values: Float[Array, "frames samples"], time: Float[Array, " frames"]
+) -> Float[Array, "frames samples"]:
     def later(by: Float[Array, ""]) -> Float[Array, "frames samples"]:
         return between_frames(values, time, time + by)
 
-    return np.asarray(jax.jvp(later, (jnp.zeros(()),), (jnp.ones(()),))[1])
+    return jax.jvp(later, (jnp.zeros(()),), (jnp.ones(()),))[1]

@@ -9,10 +9,13 @@ from typing import Final, final
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Array, Float
 from numpy.lib.stride_tricks import sliding_window_view
 
+from thermo._compiled import program
 from thermo.discover._standing import Standing
+from thermo.inverse import one_run
+from thermo.physics.effects import Schedule
 
 # Draws of noise that a chance is read from [1]; the largest lag over the length of a run [1].
 _DRAWS: Final = 2000
@@ -55,18 +58,23 @@ def traces(standing: Standing) -> dict[str, Trace]:
     for case in coarse.cases:
         for row in range(len(case.data)):
             block = next(blocks)
-            time, data, used = (np.asarray(leaf[row]) for leaf in (case.time, case.data, case.used))
+            time, data, used = (np.asarray(leaf)[row] for leaf in (case.time, case.data, case.used))
             # A run that others outlast is filled up with its last time.
             own = np.append(True, np.diff(time) > 0)
-            schedule = jax.tree.map(lambda leaf, row=row: leaf[row], case.under.schedule)
+            schedule = one_run(case.under.schedule, row)
             weight = np.maximum(used.sum(1), 1.0)
             inputs = {
-                "lamp": np.asarray(jax.vmap(schedule.share)(jnp.asarray(time)))[own],
+                "lamp": np.asarray(_shares(schedule, jnp.asarray(time)))[own],
                 "temperature": ((data * used).sum(1) / weight)[own],
             }
             left = standing.ended.residual[block.part].reshape(block.shape)[own]
             found[block.name] = _trace(left, inputs, time[own])
     return found
+
+
+@program
+def _shares(schedule: Schedule, time: Float[Array, " frames"]) -> Float[Array, " frames"]:
+    return jax.vmap(schedule.share)(time)
 
 
 def _trace(

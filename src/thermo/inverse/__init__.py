@@ -8,7 +8,7 @@ from thermo.inverse._addition import (
 )
 from thermo.inverse._bands import NORMAL, Band, bands
 from thermo.inverse._body import SCANNED_CONDUCTIVITIES, Meshing
-from thermo.inverse._case import Case
+from thermo.inverse._case import Case, one_run
 from thermo.inverse._checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from thermo.inverse._conditions import Conditions
 from thermo.inverse._defect import (
@@ -145,6 +145,7 @@ __all__ = [
     "log_model",
     "make_objective",
     "mesh_for",
+    "one_run",
     "penalty",
     "posterior",
     "predict",

@@ -9,6 +9,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from thermo._compiled import program
 from thermo.inverse._conditions import Conditions
 from thermo.physics import Model
 
@@ -64,6 +65,18 @@ def read_as(
             before = one.to_readings(quiet, jnp.array([-1.0, 0.0]), under)[0] - under.initial
             temperature = one.to_readings(temperature, time, under) - pinned * before
     return temperature
+
+
+@program
+def read_now(
+    temperature: Float[Array, "frames samples"],
+    time: Float[Array, " frames"],
+    under: Conditions,
+    pinned: Float[Array, "*samples"],
+    additions: tuple[Addition, ...],
+) -> Float[Array, "frames samples"]:
+    """`read_as` where no program is traced: in one of its own, not one for each operation [K]."""
+    return read_as(temperature, time, under, pinned, additions)
 
 
 def read_at_rest(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Final, final
+from typing import Final, TypeVar, final
 
 import equinox as eqx
 import jax
@@ -17,6 +17,8 @@ from thermo.inverse._conditions import Conditions, conditions
 from thermo.inverse._reading_errors import ReadingErrors, in_common
 from thermo.observe import Noise, Run, bind
 from thermo.physics import Discretisation, ReadOut, TimeGrid, between_steps, lengthened
+
+Part = TypeVar("Part")
 
 # Quiet frames whose mean is so near the temperature at the start are where that is from [K]: single
 # precision is no worse. By chance it is seldom so, and then they are left out, no more.
@@ -248,7 +250,20 @@ def stack_cases(cases: Sequence[Case]) -> tuple[Case, ...]:
         frames, samples = (max(case.data.shape[axis] for case in group) for axis in (0, 1))
         ends = max(len(case.grid.frame_step) for case in group)
         padded = [_pad_case(case, steps, ends, frames, samples) for case in group]
-        stacked.append(
-            jax.tree.map(lambda *leaves: jnp.stack([jnp.asarray(a) for a in leaves]), *padded)
-        )
+        stacked.append(pile(padded))
     return tuple(stacked)
+
+
+def pile(parts: Sequence[Part]) -> Part:
+    """Parts of runs of one shape along a leading axis, as they are.
+
+    By NumPy, as in `one_run`: JAX would compile a program for each shape of an array.
+    """
+    return jax.device_put(
+        jax.tree.map(lambda *leaves: np.stack([np.asarray(one) for one in leaves]), *parts)
+    )
+
+
+def one_run(piled: Part, row: int) -> Part:
+    """What belongs to the run in row `row` [1], as it is."""
+    return jax.device_put(jax.tree.map(lambda leaf: np.asarray(leaf)[row], piled))

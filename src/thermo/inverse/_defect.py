@@ -13,7 +13,8 @@ from jaxtyping import Array, Float
 
 from thermo._compiled import program
 from thermo.errors import InputError
-from thermo.inverse._addition import AbstractHeatAddition, Addition, read_as
+from thermo.inverse._addition import AbstractHeatAddition, Addition, read_now
+from thermo.inverse._case import Case, one_run
 from thermo.inverse._estimate import recovered
 from thermo.inverse._forward import forward
 from thermo.inverse._objective import (
@@ -147,9 +148,10 @@ def finer_readings(
         for number, row in enumerate(rows):
             which, body_at = next(every)
             run, samples = task.runs[which], body_at.shape[1]
-            under = jax.tree.map(lambda leaf, here=number: leaf[here], case.under)
-            time, pinned = jnp.asarray(run.recording.time), case.pinned[number, :samples]
-            read = np.asarray(read_as(jnp.asarray(body_at), time, under, pinned, additions))
+            under = one_run(case.under, number)
+            time, pinned = run.recording.time, np.asarray(case.pinned)[number, :samples]
+            body, when, held = (jnp.asarray(one) for one in (body_at, time, pinned))
+            read = np.asarray(read_now(body, when, under, held, additions))
             wanted = np.asarray(ready.grids[run.name].frame_time)
             row[: len(wanted), :samples] = read[np.searchsorted(run.recording.time, wanted - 1e-9)]
     return laid
@@ -185,11 +187,13 @@ def with_shared(objective: Objective) -> Objective:
 
     Source: Kennedy and O'Hagan, J. R. Statist. Soc. B 63 (2001) 425, a discrepancy of the model.
     """
-    cases = [
-        replace(case, shared=jax.vmap(whiten)(case.errors, case.used, DEFECT_LEFT * case.defect))
-        for case in objective.cases
-    ]
+    cases = (replace(case, shared=_in_common(case)) for case in objective.cases)
     return replace(objective, cases=tuple(cases))
+
+
+@program
+def _in_common(case: Case) -> Float[Array, "runs frames samples"]:
+    return jax.vmap(whiten)(case.errors, case.used, DEFECT_LEFT * case.defect)
 
 
 def defect_sizes(objective: Objective) -> dict[int, float]:

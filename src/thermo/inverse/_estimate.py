@@ -11,8 +11,9 @@ from zipfile import BadZipFile
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Array, Float
 
+from thermo._compiled import program
 from thermo.errors import InputError
 from thermo.fields import QUANTITIES, AbstractField, Boundary, TwoMaterialField
 from thermo.inverse._properties import Stated
@@ -47,16 +48,17 @@ class RecoveredField:
 
 def recovered(found: Mapping[str, AbstractField]) -> dict[str, RecoveredField]:
     """The values of fields [SI], by quantity."""
-    return {
-        name: RecoveredField(
-            name,
-            item.quantity.unit,
-            np.asarray(item.cell_values()),
-            np.asarray(item.face_values()),
-            item.boundary() if isinstance(item, TwoMaterialField) else None,
-        )
-        for name, item in found.items()
-    }
+    fields = {}
+    for name, item in found.items():
+        cells, faces = (np.asarray(one) for one in _values(item))
+        edge = item.boundary() if isinstance(item, TwoMaterialField) else None
+        fields[name] = RecoveredField(name, item.quantity.unit, cells, faces, edge)
+    return fields
+
+
+@program
+def _values(field: AbstractField) -> tuple[Float[Array, " cells"], Float[Array, " faces"]]:
+    return field.cell_values(), field.face_values()
 
 
 @final

@@ -10,17 +10,18 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from thermo._compiled import program
 from thermo.errors import InputError
-from thermo.inverse._addition import Addition, extend, read_as
+from thermo.inverse._addition import Addition, extend, read_now
 from thermo.inverse._body import of_order
 from thermo.inverse._case import pinned
-from thermo.inverse._conditions import conditions, make_model
+from thermo.inverse._conditions import Conditions, conditions, make_model
 from thermo.inverse._properties import Properties
 from thermo.inverse._side_by_side import solve_each
 from thermo.inverse._stepping import free_grid, longest_reach
 from thermo.mesh import Mesh
 from thermo.observe import Run, bind
-from thermo.physics import Discretisation, ReadOut, TimeGrid, between_steps, discretise
+from thermo.physics import Discretisation, Model, ReadOut, TimeGrid, between_steps, discretise
 from thermo.physics.integrators import Sdirk2
 
 MOMENTS = 13
@@ -76,7 +77,7 @@ def score(
 
 def _equal(one: Properties, other: Properties) -> bool:
     pairs = zip(jax.tree.leaves(one), jax.tree.leaves(other), strict=True)
-    return all(bool(jnp.array_equal(a, b)) for a, b in pairs)
+    return all(np.array_equal(np.asarray(a), np.asarray(b)) for a, b in pairs)
 
 
 def _with_corners(readout: ReadOut, space: Discretisation, mesh: Mesh) -> ReadOut:
@@ -166,8 +167,18 @@ def temperatures(
 
 
 def _reach(bodies: dict[str, Properties], steps: TimeGrid) -> float:
-    diffusivity = max(float(jnp.median(one.conductivity / one.capacity)) for one in bodies.values())
+    diffusivity = max(
+        float(np.median(np.asarray(one.conductivity) / np.asarray(one.capacity)))
+        for one in bodies.values()
+    )
     return longest_reach(Sdirk2(), [steps], diffusivity)
+
+
+@program
+def _model(
+    space: Discretisation, body: Properties, under: Conditions, additions: tuple[Addition, ...]
+) -> Model:
+    return extend(make_model(space, body, under), under, additions)
 
 
 def _each(
@@ -185,9 +196,7 @@ def _each(
         for name, body in bodies.items()
     }
     different = list(dict.fromkeys(like.values()))
-    models = [
-        extend(make_model(space, bodies[name], under), under, additions) for name in different
-    ]
+    models = [_model(space, bodies[name], under, additions) for name in different]
     ends, time = np.asarray(grid.frame_time), run.recording.time
     # The body's corners, where they are read after the samples, have no error of their own.
     known = pinned(run)
@@ -195,5 +204,5 @@ def _each(
     found = {}
     for name, values in zip(different, solve_each(models, under, grid, readout), strict=True):
         at = jnp.asarray(between_steps(ends, values, time, run.switches()))
-        found[name] = np.asarray(read_as(at, jnp.asarray(time), under, held, additions))
+        found[name] = np.asarray(read_now(at, jnp.asarray(time), under, held, additions))
     return {name: found[other] for name, other in like.items()}

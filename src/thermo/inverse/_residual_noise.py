@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Int
 
-from thermo.inverse._case import Case, pad_errors, reading_errors
+from thermo.inverse._case import Case, one_run, pad_errors, pile, reading_errors
 from thermo.inverse._defect import with_shared
 from thermo.inverse._log_model import LogModel
 from thermo.inverse._objective import Objective
@@ -64,14 +63,13 @@ def _with_noise(
         rows = []
         for row in range(len(case.trust)):
             run = runs[next(numbers)]
-            errors = jax.tree.map(lambda leaf, row=row: leaf[row], case.errors)
+            errors = one_run(case.errors, row)
             if run.name in noise:
                 level, frames = noise[run.name].noise, _frames(run, case, row)
                 fresh = reading_errors(run, level, frames, model_error=error)
                 errors = pad_errors(fresh, *case.data.shape[1:])
             rows.append(errors)
-        stacked = jax.tree.map(lambda *leaves: jnp.stack(leaves), *rows)
-        cases.append(replace(case, errors=stacked))
+        cases.append(replace(case, errors=pile(rows)))
     return replace(objective, cases=tuple(cases))
 
 
