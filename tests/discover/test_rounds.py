@@ -7,6 +7,7 @@ from dataclasses import replace
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from lit_box import SIZE, at
 from standings import VALUES, standing
 from verdicts import SOURCE, one_round
 
@@ -16,7 +17,7 @@ from thermo.discover._refits import Refit
 from thermo.discover._rounds import effect_of, evidence, make_round, with_joint_effects
 from thermo.discover._scores import Score, ScoreTable
 from thermo.discover._standing import free_of
-from thermo.discover.candidates import AnisotropicConductivity, SensorLag
+from thermo.discover.candidates import AnisotropicConductivity, HiddenSource, SensorLag
 
 from .lit_objective import objective, standing_at
 
@@ -90,6 +91,16 @@ def test_evidence_pays_the_logarithm_of_the_readings_for_each_that_is_free() -> 
     found = evidence(before, {"few": standing(90.0, 3).ended, "many": standing(90.0, 6).ended})
     assert found["few"] == pytest.approx(-10.0 + np.log(VALUES))
     assert found["many"] - found["few"] == pytest.approx(3 * np.log(VALUES))
+
+
+@pytest.mark.parametrize(("middle", "told"), [(-0.3, 0.0), (0.4, 0.4)])
+def test_the_place_of_an_effect_is_one_of_the_body(middle: float, told: float) -> None:
+    where = np.array([middle, 0.5, 0.5]) * SIZE
+    made = standing_at(objective(), HiddenSource(jnp.ones(1), at(tuple(where), 0.003)))
+    slopes = np.eye(len(made.ended.residual), len(free_of(made).number))
+    effect = effect_of(replace(made, ended=replace(made.ended, slopes=slopes)), made.active[0], 1.0)
+    assert effect.centre == pytest.approx(np.array([told, 0.5, 0.5]) * SIZE)
+    assert effect.size == pytest.approx(0.003)
 
 
 def test_an_effect_along_an_axis_says_which() -> None:

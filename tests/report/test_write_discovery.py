@@ -97,7 +97,7 @@ def test_the_contract_of_a_round() -> None:
     ended = replace(alone, effect=replace(alone.effect, outline=outline))
     (edged,) = discovery_record(replace(found, rounds=[ended]))["rounds"]
     shape = {"half_widths": [5e-3, 3e-3, 1e-3], "squareness": 3.5, "sharpness": 9.0}
-    assert edged["location"] == {**one["location"], **shape}
+    assert edged["location"] == {**one["location"], "middle": [0.01, 0.0, 0.004], **shape}
     assert one["rms_before"]["lamp"] == 0.5 and one["rms_after"]["lamp"] == 0.05
     (other,) = discovery_record(verdict("inseparable"))["rounds"]
     assert other["named"] == [] and other["set"] == ["hidden_source", "sensor_lag"]
@@ -176,10 +176,13 @@ def test_a_place_that_ends_at_an_edge_is_told_with_its_half_widths() -> None:
     made = verdict("named")
     (one,) = made.rounds
     size = jnp.asarray([[0.006, 0.0041, 0.001]])
-    outline = Inclusion(jnp.zeros((1, 3)), size, jnp.asarray([4.0]), jnp.asarray([8.0]))
-    even = replace(one.effect, outline=outline)
-    told = discovery_record(replace(made, rounds=[replace(one, effect=even)]))["sentences"][0]
-    assert "at (10.0, 0.0, 4.0) mm within half-widths of (6.0, 4.1, 1.0) mm. Its" in told
+    for middle, about in [(0.01, ""), (0.012, " about (12.0, 0.0, 4.0) mm")]:
+        centre = jnp.asarray([[middle, 0.0, 0.004]])
+        outline = Inclusion(centre, size, jnp.asarray([4.0]), jnp.asarray([8.0]))
+        even = replace(one, effect=replace(one.effect, outline=outline))
+        told = discovery_record(replace(made, rounds=[even]))["sentences"][0]
+        where = "at (10.0, 0.0, 4.0) mm within half-widths of (6.0, 4.1, 1.0) mm"
+        assert f"{where}{about}. Its" in told
 
 
 @pytest.mark.parametrize(

@@ -19,6 +19,7 @@ from thermo.discover._refits import Refit
 from thermo.discover._scores import ScoreTable, best_of_kinds
 from thermo.discover._standing import Standing, free_of, share_closed
 from thermo.discover._verdict import Alternative, Candidacy, Effect, Round
+from thermo.discover._within_body import within_body
 from thermo.inverse import NORMAL
 from thermo.mesh import face_areas
 
@@ -240,7 +241,8 @@ def _place(standing: Standing, entry: Entry) -> tuple[np.ndarray | None, float |
     if isinstance(place, Transition):
         return None, None
     if place is not None and place.centre is not None:
-        return np.asarray(place.centre[entry.part]), float(np.max(place.size[entry.part]))
+        middle = within_body(np.asarray(place.centre[entry.part]), standing.bench.ready.mesh)
+        return middle, float(np.max(place.size[entry.part]))
     if _side(entry) is None:
         return None, None
     mesh = standing.bench.ready.mesh

@@ -23,7 +23,8 @@ class Effect:
     """An effect that was put to work.
 
     - `card`; `strength`, `sd`, `interval95`: in the card's unit.
-    - `centre`: (3,) [m], `size`: [m]; None where the effect has no place.
+    - `centre`: (3,) [m], `size`: [m]; None where the effect has no place. The nearest point of the
+      surface where the middle of its shape lies beside the body.
     - `chance`: of strengths as large by the scatter of the fit alone, all of a joint effect [1].
     - `transition`: middle and width on the scale of temperature [K], or None.
     - `conductance`: over all of its place [W/K], and in which interval it is in 95 % of cases; None

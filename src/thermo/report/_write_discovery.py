@@ -218,6 +218,7 @@ def _location(effect: Effect) -> dict[str, Any] | None:
         return None
     found: dict[str, Any] = {"centre": effect.centre.tolist(), "size": effect.size}
     if effect.outline is not None:
+        found["middle"] = effect.outline.centre[0].tolist()
         found["half_widths"] = effect.outline.size[0].tolist()
         found["squareness"] = float(effect.outline.squareness[0])
         found["sharpness"] = float(effect.outline.sharpness[0])
@@ -317,6 +318,8 @@ def _place(effect: Effect) -> str:
         place = f", at ({_millimetres(effect.centre)}) mm"
         if effect.outline is not None:
             place += f" within half-widths of ({_millimetres(effect.outline.size[0])}) mm"
+            about = _millimetres(effect.outline.centre[0])
+            place += "" if about == _millimetres(effect.centre) else f" about ({about}) mm"
         elif effect.size is not None:
             place += f" fading over {1e3 * effect.size:.2g} mm"
     if effect.side is not None:
