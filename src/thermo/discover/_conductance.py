@@ -14,7 +14,7 @@ from jaxtyping import Array, Float
 from thermo._compiled import program
 from thermo.discover._candidate import AbstractHeatCandidate, Candidate, Place
 from thermo.discover._descent import Free
-from thermo.discover._entries import Active, Entry, entry_of
+from thermo.discover._entries import Active, entry_of
 from thermo.discover._extended import Extended, numbers
 from thermo.discover._standing import Standing, has_places, take
 from thermo.inverse import NORMAL, Objective, Parameters, case_model, with_fields
@@ -40,18 +40,26 @@ def conductance_of(
     Source: Seber and Wild, Nonlinear Regression (1989), section 5.1, errors of a function of what
     was fitted, linearised.
     """
-    flat, unravel = ravel_pytree(standing.point)
-    entry = entry_of(standing.point, active)
-
-    def whole(flat: Float[Array, " entries"]) -> Float[Array, ""] | None:
-        return _taken(*_asked(standing, entry, unravel(flat)))
-
-    if jax.eval_shape(whole, flat) is None:
+    point = standing.point
+    value = taken_by(standing, active, point)
+    if value is None:
         return None
-    # Within a program: each operation would be one of its own.
-    value, every = jax.jit(jax.value_and_grad(whole))(flat)
-    slope = np.asarray(every)[free.number] * free.scale
+    entry = entry_of(point, active)
+    every = np.asarray(_slope(standing.bench.coarse, point, entry.kind, entry.part))
+    slope = every[free.number] * free.scale
     return float(value), float(np.sqrt(slope @ covariance @ slope))
+
+
+@program
+def _slope(objective: Objective, point: Extended, kind: int, part: int) -> Float[Array, " entries"]:
+    flat, unravel = ravel_pytree(point)
+
+    def whole(flat: Float[Array, " entries"]) -> Float[Array, ""]:
+        value = _taken(objective, point.fields, unravel(flat).candidates[kind], part)
+        assert value is not None, "asked of an effect that takes heat"
+        return value
+
+    return jax.grad(whole)(flat)
 
 
 def strength_between(
@@ -102,14 +110,9 @@ def _number(point: Extended, free: Free, kind: int, part: int) -> int:
 
 def taken_by(standing: Standing, active: Active, point: Extended) -> Float[Array, ""] | None:
     """The integral of h over all of the place of an effect at a point [W/K]."""
-    return _taken_now(*_asked(standing, entry_of(standing.point, active), point))
-
-
-Asked = tuple[Objective, Parameters, Candidate, int]
-
-
-def _asked(standing: Standing, entry: Entry, point: Extended) -> Asked:
-    return standing.bench.coarse, standing.point.fields, point.candidates[entry.kind], entry.part
+    entry = entry_of(standing.point, active)
+    candidate = point.candidates[entry.kind]
+    return _taken_now(standing.bench.coarse, standing.point.fields, candidate, entry.part)
 
 
 def _taken(
