@@ -50,7 +50,7 @@ class LightPath(eqx.Module):
 
 def dark(cells: int) -> LightPath:
     """The way of no light to so many cells [1]."""
-    nowhere, none = jnp.asarray(np.zeros((cells, 3))), jnp.asarray(np.zeros(cells))
+    nowhere, none = jnp.zeros((cells, 3)), jnp.zeros(cells)
     return LightPath(nowhere, none, nowhere, jnp.zeros(3), jnp.zeros(3), jnp.ones(()))
 
 
