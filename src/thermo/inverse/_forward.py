@@ -10,18 +10,17 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
-from thermo._compiled import program
 from thermo.errors import InputError
 from thermo.inverse._addition import Addition, extend, read_now
 from thermo.inverse._body import of_order
 from thermo.inverse._case import pinned
-from thermo.inverse._conditions import Conditions, conditions, make_model
+from thermo.inverse._conditions import conditions, make_model
 from thermo.inverse._properties import Properties
 from thermo.inverse._side_by_side import solve_each
 from thermo.inverse._stepping import free_grid, longest_reach
 from thermo.mesh import Mesh
 from thermo.observe import Run, bind
-from thermo.physics import Discretisation, Model, ReadOut, TimeGrid, between_steps, discretise
+from thermo.physics import Discretisation, ReadOut, TimeGrid, between_steps, discretise
 from thermo.physics.integrators import Sdirk2
 
 MOMENTS = 13
@@ -174,13 +173,6 @@ def _reach(bodies: dict[str, Properties], steps: TimeGrid) -> float:
     return longest_reach(Sdirk2(), [steps], diffusivity)
 
 
-@program
-def _model(
-    space: Discretisation, body: Properties, under: Conditions, additions: tuple[Addition, ...]
-) -> Model:
-    return extend(make_model(space, body, under), under, additions)
-
-
 def _each(
     space: Discretisation,
     run: Run,
@@ -196,7 +188,9 @@ def _each(
         for name, body in bodies.items()
     }
     different = list(dict.fromkeys(like.values()))
-    models = [_model(space, bodies[name], under, additions) for name in different]
+    models = [
+        extend(make_model(space, bodies[name], under), under, additions) for name in different
+    ]
     ends, time = np.asarray(grid.frame_time), run.recording.time
     # The body's corners, where they are read after the samples, have no error of their own.
     known = pinned(run)
